@@ -1,0 +1,30 @@
+"""The machine a result is made on: cores to use, and what to say of it. No parameter."""
+
+from __future__ import annotations
+
+import os
+import platform
+
+from pipeline.contract.errors import BelvedereError
+
+CORES_VARIABLE = "BELVEDERE_CORES"
+
+
+def cores() -> int:
+    """How many cores to use: ``$BELVEDERE_CORES``, or all that this process may run on."""
+    wished = os.environ.get(CORES_VARIABLE)
+    if wished is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if not wished.isdigit() or int(wished) < 1:
+        raise BelvedereError(f"{CORES_VARIABLE} = {wished!r} is not valid; it is a whole number from 1 up.")
+    return int(wished)
+
+
+def processor() -> str:
+    """The processor's name, as the system gives it."""
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as lines:
+            names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    except OSError:
+        names = []
+    return names[0] if names else platform.processor() or platform.machine()

@@ -1,0 +1,82 @@
+"""The scratch store: finished repeats and running checkpoints, outside DVC's sight.
+
+DVC deletes a stage's outputs before it runs the stage, so a stage that is killed, or that has to
+train one repeat more, would start from nothing. The scratch store keeps, per stage and repeat, a
+folder keyed by a hash of everything that decides the result: inputs, parameters, code and repeat.
+It can be deleted at any time; only time is lost.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.contract.errors import BelvedereError
+
+ENVIRONMENT_VARIABLE = "BELVEDERE_SCRATCH"
+
+
+def root() -> Path:
+    """The store's folder: ``$BELVEDERE_SCRATCH``, or ``.scratch`` in the working directory."""
+    return Path(os.environ.get(ENVIRONMENT_VARIABLE) or ".scratch").resolve()
+
+
+def digest_files(paths: Iterable[Path]) -> str:
+    """A hash of files' names and contents; folders are walked, caches passed over."""
+    hasher = hashlib.sha256()
+    for path in paths:
+        files = [path] if Path(path).is_file() else sorted(Path(path).rglob("*"))
+        for file in files:
+            if file.is_file() and "__pycache__" not in file.parts:
+                hasher.update(file.as_posix().encode() + b"\0")
+                hasher.update(file.read_bytes() + b"\0")
+    return hasher.hexdigest()
+
+
+def digest_arrays(arrays: Mapping[str, np.ndarray]) -> str:
+    """A hash of named arrays: names, types, shapes and bytes."""
+    hasher = hashlib.sha256()
+    for name, array in sorted(arrays.items()):
+        hasher.update(f"{name} {array.dtype} {array.shape}\0".encode())
+        hasher.update(np.ascontiguousarray(array).data)
+    return hasher.hexdigest()
+
+
+def folder(stage: str, repeat: int, **decides: Any) -> Path:
+    """The scratch folder of one repeat of a stage, made if need be.
+
+    Args:
+        stage: the stage's name.
+        repeat: which repeat.
+        **decides: JSON-able values that decide the result (hashes, parameters, versions).
+
+    Raises:
+        BelvedereError: the store cannot be written to.
+    """
+    key = json.dumps({"repeat": repeat, **decides}, sort_keys=True, default=str)
+    path = root() / stage / hashlib.sha256(key.encode()).hexdigest()[:24]
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        probe = path / f".write.{os.getpid()}"
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise BelvedereError(
+            f"the scratch store {path} cannot be written to ({error.strerror}); make it writable or "
+            f"set {ENVIRONMENT_VARIABLE} to a folder that is."
+        ) from None
+    return path
+
+
+def keep(source: Path, destination: Path) -> None:
+    """Copies ``source`` to ``destination`` so that it appears there whole or not at all."""
+    aside = destination.with_name(f".{destination.name}.{os.getpid()}.part")
+    shutil.copyfile(source, aside)
+    os.replace(aside, destination)

@@ -1,0 +1,85 @@
+"""A stage's entry: flags from the signature of ``main``, one sentence for bad input.
+
+A stage is a script with ``def main(*, scene: str, theta: float, out: Path) -> None`` and, below,
+``if __name__ == "__main__": entry(main)``. Every parameter becomes a required flag.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import inspect
+import os
+import signal
+import sys
+import time
+import typing
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from pipeline.contract import scratch
+from pipeline.contract.artefacts import write_json
+from pipeline.contract.errors import BelvedereError
+from pipeline.contract.machine import cores, processor
+
+_PR_SET_PDEATHSIG = 1
+
+
+def entry(main: Callable[..., None], argv: Sequence[str] | None = None) -> None:
+    """Runs a stage's ``main`` with the command line's flags.
+
+    Flags are the keyword parameters of ``main``: ``str``, ``int``, ``float``, ``Path`` or, where a
+    flag may be given several values, ``list[str]`` / ``list[Path]``; one with a default is optional.
+    """
+    _die_with_parent()
+    _line_buffer()
+    begun = time.monotonic()
+    try:
+        main(**vars(parser(main).parse_args(argv)))
+        _record_seconds(time.monotonic() - begun)
+    except BelvedereError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(1) from None
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None
+
+
+def parser(main: Callable[..., None]) -> argparse.ArgumentParser:
+    """The argument parser that :func:`entry` uses."""
+    doc = inspect.getdoc(inspect.getmodule(main)) or ""
+    result = argparse.ArgumentParser(description=doc.splitlines()[0] if doc else None)
+    hints = typing.get_type_hints(main)
+    for name, parameter in inspect.signature(main).parameters.items():
+        kind = hints[name]
+        several = typing.get_origin(kind) is list
+        convert = typing.get_args(kind)[0] if several else kind
+        required = parameter.default is inspect.Parameter.empty
+        result.add_argument(
+            f"--{name.replace('_', '-')}",
+            dest=name,
+            required=required,
+            default=None if required else parameter.default,
+            type=convert if convert in (int, float, Path) else str,
+            nargs="+" if several else None,
+        )
+    return result
+
+
+def _record_seconds(seconds: float) -> None:
+    """Keeps what a stage took, for the report; in the scratch store, since outputs must not vary."""
+    stage = os.environ.get("DVC_STAGE")
+    if stage:
+        record = {"stage": stage, "seconds": round(seconds, 1), "machine": processor(), "cores": cores()}
+        write_json(scratch.root() / "seconds" / f"{stage}.json", record)
+
+
+def _die_with_parent() -> None:
+    """Asks Linux to end this process with DVC: an orphan could write over a later run's output."""
+    if sys.platform == "linux" and "DVC_STAGE" in os.environ:
+        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+def _line_buffer() -> None:
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(line_buffering=True)

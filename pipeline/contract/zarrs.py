@@ -1,0 +1,186 @@
+"""Zarr v3 stores of a repeat × episode × frame table, sharded, with a checked schema.
+
+Every array's leading axis is the repeat, the second the episode, so one repeat of a store is one
+block; a shard holds one repeat's episodes, so a store is a few files and DVC stays fast.
+Directory stores are byte-identical between identical runs (a ``ZipStore`` is not).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+
+from pipeline.contract.artefacts import writing
+from pipeline.contract.errors import BelvedereError
+
+FORMAT = 1
+SHARD_BYTES = 256 * 2**20  # an upper bound on a shard, far above quick's, for the paper budget
+
+
+@dataclass(frozen=True)
+class Column:
+    """One named array of a store.
+
+    Attributes:
+        dims: axis names; the first two are ``repeat`` and ``episode``.
+        dtype: NumPy dtype name.
+        unit: physical unit, or what the numbers are.
+    """
+
+    dims: tuple[str, ...]
+    dtype: str
+    unit: str
+
+
+Schema = Mapping[str, Column]
+
+_EPISODE = ("repeat", "episode")
+_FRAME = ("repeat", "episode", "frame")
+
+ROLLOUTS: Schema = {
+    "qpos": Column((*_FRAME, "coordinate"), "float32", "MuJoCo generalised positions (rad, m)"),
+    "tip": Column((*_FRAME, "xyz"), "float32", "m, world frame, before the action"),
+    "action": Column((*_FRAME, "axis"), "float32", "share of the largest displacement, -1 to 1"),
+    "reward": Column(_FRAME, "float32", "m, eq. (1), after the action"),
+    "target": Column((*_EPISODE, "xyz"), "float32", "m, world frame"),
+}
+FRAMES: Schema = {
+    "rgb": Column((*_FRAME, "row", "column", "channel"), "uint8", "sRGB, 0 to 255"),
+    "tip": ROLLOUTS["tip"],
+    "action": ROLLOUTS["action"],
+    "target": ROLLOUTS["target"],
+    "target_pixels": Column(_FRAME, "int32", "pixels in which the target is seen"),
+    "target_pixels_free": Column(_EPISODE, "int32", "the same, were nothing in front of it"),
+}
+LATENTS: Schema = {
+    "mean": Column((*_FRAME, "latent"), "float32", "posterior mean of z"),
+    "log_variance": Column((*_FRAME, "latent"), "float32", "posterior log variance of z"),
+    "action": ROLLOUTS["action"],
+}
+
+
+def write(
+    path: Path, schema: Schema, arrays: Mapping[str, np.ndarray], attributes: Mapping[str, Any]
+) -> None:
+    """Writes a store whole.
+
+    Args:
+        path: the store's folder.
+        schema: which arrays there must be.
+        arrays: one array per column of the schema; shapes must agree on shared axis names.
+        attributes: JSON-able facts about the whole store (scene, viewpoint, versions, …).
+    """
+    _check_shapes(path, schema, {name: a.shape for name, a in arrays.items()})
+    with writing(Path(path)) as aside:
+        group = zarr.create_group(str(aside), attributes={**attributes, "format": FORMAT})
+        for name, column in schema.items():
+            array = np.ascontiguousarray(arrays[name], dtype=column.dtype)
+            chunks, shards = _layout(array)
+            stored = group.create_array(
+                name,
+                shape=array.shape,
+                dtype=column.dtype,
+                chunks=chunks,
+                shards=shards,
+                dimension_names=column.dims,
+                attributes={"unit": column.unit},
+            )
+            stored[...] = array
+
+
+def _layout(array: np.ndarray) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """One episode a chunk; as many episodes of one repeat a shard as ``SHARD_BYTES`` allow."""
+    rest = array.shape[2:]
+    episode_bytes = int(np.prod(rest, dtype=np.int64)) * array.itemsize
+    episodes = max(1, min(array.shape[1], SHARD_BYTES // max(1, episode_bytes)))
+    return (1, 1, *rest), (1, episodes, *rest)
+
+
+class Store:
+    """A store opened for reading; its schema has been checked.
+
+    Args:
+        path: the store's folder.
+        schema: the arrays that must be there.
+        made_by: the stage that writes such a store, named in errors.
+    """
+
+    def __init__(self, path: Path, schema: Schema, made_by: str) -> None:
+        self.path, self._made_by = Path(path), made_by
+        if not self.path.exists():
+            raise BelvedereError(f"{path} is missing; `dvc repro {made_by}` makes it.")
+        try:
+            self._group = zarr.open_group(str(path), mode="r")
+        except Exception as error:  # zarr raises many types on a foreign or truncated store
+            raise self._broken(f"it is no Zarr v3 group ({type(error).__name__})") from None
+        self.attributes: dict[str, Any] = dict(self._group.attrs)
+        if self.attributes.get("format") != FORMAT:
+            raise self._broken(f"its format is {self.attributes.get('format')!r}, not {FORMAT}")
+        missing = [name for name in schema if name not in self._group]
+        if missing:
+            raise self._broken(f"it has no array {', '.join(missing)}")
+        for name, column in schema.items():
+            if str(self._array(name).dtype) != column.dtype:
+                raise self._broken(f"array {name} is {self._array(name).dtype}, not {column.dtype}")
+        _check_shapes(self.path, schema, {name: self._array(name).shape for name in schema})
+
+    @property
+    def repeats(self) -> int:
+        return int(next(iter(self._group.arrays()))[1].shape[0])
+
+    def shape(self, name: str) -> tuple[int, ...]:
+        return tuple(self._array(name).shape)
+
+    def repeat(self, name: str, repeat: int) -> np.ndarray:
+        """One repeat's block of array ``name``: shape ``(episode, …)``.
+
+        Raises:
+            BelvedereError: the data cannot be read or is cut short.
+        """
+        array = self._array(name)
+        if not 0 <= repeat < array.shape[0]:
+            raise self._broken(f"it holds {array.shape[0]} repeats, and repeat {repeat} was asked for")
+        self._refuse_missing_shards(name, array)
+        try:
+            return np.asarray(array[repeat])
+        except Exception as error:  # a truncated shard surfaces as one of many types
+            raise self._broken(f"array {name} cannot be read ({type(error).__name__})") from None
+
+    def _array(self, name: str) -> zarr.Array:
+        found = self._group[name]
+        if not isinstance(found, zarr.Array):
+            raise self._broken(f"{name} is no array but a group")
+        return found
+
+    def _refuse_missing_shards(self, name: str, array: Any) -> None:
+        """Zarr reads a missing or empty shard as zeros, which would train a network on nothing."""
+        empty = any(f.is_file() and not f.stat().st_size for f in (self.path / name).rglob("*"))
+        if empty or array.nchunks_initialized < array.nchunks:
+            raise self._broken(f"array {name} lacks some of its data")
+
+    def _broken(self, why: str) -> BelvedereError:
+        return BelvedereError(
+            f"{self.path} cannot be used: {why}; delete it and run `dvc repro {self._made_by}`."
+        )
+
+
+def _check_shapes(path: Path, schema: Schema, shapes: Mapping[str, tuple[int, ...]]) -> None:
+    sizes: dict[str, tuple[int, str]] = {}
+    for name, column in schema.items():
+        if name not in shapes:
+            raise BelvedereError(f"{path}: array {name} is missing.")
+        if len(shapes[name]) != len(column.dims):
+            raise BelvedereError(
+                f"{path}: array {name} has shape {shapes[name]}; its axes are {column.dims}."
+            )
+        for dim, size in zip(column.dims, shapes[name], strict=True):
+            known, owner = sizes.setdefault(dim, (size, name))
+            if known != size:
+                raise BelvedereError(
+                    f"{path}: axis {dim} is {size} long in array {name} but {known} in {owner}."
+                )

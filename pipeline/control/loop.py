@@ -1,0 +1,120 @@
+"""The closed loop: camera, encoder, controller, simulator and RNN, for many worlds at once.
+
+Worlds are cut into shards of a fixed size. A shard runs its whole episode in one thread, on its own
+simulations and its own render context, so threads never wait for each other within an episode, and
+no number depends on how many threads there are. Rendering, physics and torch release the GIL.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, fields
+
+import numpy as np
+import torch
+
+from pipeline.control.policy import Controllers
+from pipeline.sim.camera import Viewpoint
+from pipeline.sim.draws import Episodes
+from pipeline.sim.images import Images
+from pipeline.sim.scene import Scene
+from pipeline.sim.worlds import Worlds
+from pipeline.worldmodel.encoder import Encoder
+from pipeline.worldmodel.mdnrnn import MdnRnn
+
+SHARD = 32  # worlds; part of the method: another size may round otherwise in the last bits
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What happened in n episodes of t frames.
+
+    Attributes:
+        qpos: generalised positions before each action and after the last, (n, t + 1, nq).
+        tip_m: tip positions at the same times, (n, t + 1, 3).
+        action: (n, t, actions).
+        reward: paper eq. (1), after each action, (n, t).
+    """
+
+    qpos: np.ndarray
+    tip_m: np.ndarray
+    action: np.ndarray
+    reward: np.ndarray
+
+    @property
+    def returns(self) -> np.ndarray:
+        """Paper eq. (2): the sum of the rewards, (n,)."""
+        return np.asarray(self.reward.sum(axis=1))
+
+    @staticmethod
+    def joined(parts: Sequence[Trace], count: int) -> Trace:
+        """The first ``count`` episodes of all parts."""
+        joined = {f.name: np.concatenate([getattr(p, f.name) for p in parts])[:count] for f in fields(Trace)}
+        return Trace(**joined)
+
+
+class _Worker:
+    """One shard's simulations and pictures; used by one thread at a time."""
+
+    def __init__(self, scene: Scene, view: Viewpoint) -> None:
+        self.worlds, self.images = Worlds(scene, SHARD), Images(scene, view, SHARD)
+
+    def run(self, encoder: Encoder, rnn: MdnRnn, controllers: Controllers, episodes: Episodes) -> Trace:
+        worlds, state = self.worlds, rnn.initial_state(SHARD)
+        worlds.reset(episodes)
+        qpos, tips, actions, rewards = [worlds.qpos], [worlds.tip], [], []
+        for _ in range(worlds.scene.frames):
+            latents = encoder(self.images.render(qpos[-1], worlds.target))
+            action = controllers(latents, state.h)
+            rewards.append(worlds.step(action.numpy().astype(np.float64)))
+            state = rnn.step(latents, action, state)
+            qpos.append(worlds.qpos)
+            tips.append(worlds.tip)
+            actions.append(action.numpy())
+        return Trace(*(np.stack(series, axis=1) for series in (qpos, tips, actions, rewards)))
+
+
+class Loop:
+    """Runs controllers in worlds seen from one viewpoint; its workers are used again by each call.
+
+    Args:
+        scene: the compiled scene.
+        view: where the camera stands.
+        encoder: pictures to z.
+        rnn: what h comes from.
+        threads: how many shards run at a time; decides the speed and no number.
+    """
+
+    def __init__(self, scene: Scene, view: Viewpoint, encoder: Encoder, rnn: MdnRnn, threads: int) -> None:
+        self._scene, self._encoder, self._rnn = scene, encoder, rnn
+        self._free = [_Worker(scene, view) for _ in range(threads)]
+        # each thread has an OpenMP pool of its own: one thread each, or they fight for the cores
+        self._pool = ThreadPoolExecutor(threads, initializer=torch.set_num_threads, initargs=(1,))
+
+    def run(self, controllers: Controllers, episodes: Episodes) -> Trace:
+        """Runs ``controllers[i]`` in ``episodes[i]``, for all i.
+
+        Raises:
+            BelvedereError: a controller or its world model gives actions that are no numbers.
+        """
+        count = len(episodes)
+        if len(controllers) != count:
+            raise ValueError(f"{len(controllers)} controllers for {count} episodes")
+
+        def shard(begin: int) -> Trace:
+            members = np.minimum(np.arange(begin, begin + SHARD), count - 1)  # the last one fills up
+            worker = self._free.pop()
+            try:
+                chosen = controllers[torch.from_numpy(members)]
+                return worker.run(self._encoder, self._rnn, chosen, episodes[members])
+            finally:
+                self._free.append(worker)
+
+        return Trace.joined(list(self._pool.map(shard, range(0, count, SHARD))), count)
+
+    def judge(self, candidates: np.ndarray, episodes: Episodes) -> np.ndarray:
+        """Mean returns (p,) of candidates (p, parameters), each in all of the episodes."""
+        controllers = Controllers.of(candidates, self._scene.action_size, each=len(episodes))
+        trace = self.run(controllers, episodes.tiled(len(candidates)))
+        return np.asarray(trace.returns.reshape(len(candidates), -1).mean(axis=1))

@@ -1,0 +1,56 @@
+"""The parts of params.yaml that control reads."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from pipeline.contract.params import Section
+
+Count = Annotated[int, Field(ge=1)]
+Positive = Annotated[float, Field(gt=0)]
+
+
+class SearchParams(Section):
+    """The method of CMA-ES.
+
+    ``sigma`` is the first standard deviation in every direction; ``diagonal`` keeps the covariance
+    diagonal, which learns faster than a full one where generations are few.
+    """
+
+    sigma: Positive
+    diagonal: bool
+
+
+class ControllerParams(SearchParams):
+    """Section ``controller``: ``hidden_share`` is the first standard deviation of h's weights in ``sigma``s.
+
+    There are eight times as many of them as of z's, and most of h follows few directions: drawn as
+    widely as z's, they would drown what z says.
+    """
+
+    hidden_share: Positive
+
+
+class BlindParams(SearchParams):
+    """Section ``anchors``: an action of the blind sequence is held for ``hold_frames`` frames."""
+
+    hold_frames: Count
+
+
+class SearchSizes(Section):
+    """Sections ``budgets.*.controller`` and ``budgets.*.anchors``.
+
+    ``episodes`` are those by which each candidate of a generation is judged.
+    """
+
+    population: Annotated[int, Field(ge=2)]
+    episodes: Count
+    generations: Count
+
+
+class EvaluationSizes(Section):
+    """Section ``budgets.*.evaluation``: ``episodes`` of each repeat."""
+
+    episodes: Count

@@ -1,0 +1,89 @@
+"""Finished repeats: each is made once per inputs, parameters, code and machine kind (no torch here)."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pipeline.contract import scratch
+from pipeline.contract.artefacts import read_json, write_json, writing
+
+PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def code_digest(*parts: str) -> str:
+    """A hash of Python sources, the same wherever the tree lies.
+
+    Args:
+        *parts: files or folders below ``pipeline/``, such as ``"learning"`` or ``"vae.py"``.
+    """
+    hasher = hashlib.sha256()
+    for part in parts:
+        place = PACKAGE / part
+        for file in [place] if place.is_file() else sorted(place.rglob("*.py")):
+            hasher.update(file.relative_to(PACKAGE).as_posix().encode() + b"\0")
+            hasher.update(file.read_bytes() + b"\0")
+    return hasher.hexdigest()
+
+
+def finished(stage: str, repeat: int, make: Callable[[Path, Path], None], **decides: Any) -> Path:
+    """The folder of a repeat's results: from the scratch store, or made now.
+
+    Args:
+        stage: the stage's name.
+        repeat: which repeat.
+        make: called as ``make(results, running)`` where nothing is finished yet; writes its results
+            into the folder ``results`` and, as it goes, checkpoints into the folder ``running``,
+            where it finds them again after it was killed.
+        **decides: JSON-able values that decide the result (see :func:`pipeline.contract.scratch.folder`).
+
+    Returns:
+        A folder that is complete and must not be changed.
+    """
+    home = scratch.folder(stage, repeat, **decides)
+    results, running = home / "results", home / "running"
+    if not results.is_dir():
+        running.mkdir(exist_ok=True)
+        aside = home / f".results.{os.getpid()}.part"
+        shutil.rmtree(aside, ignore_errors=True)
+        aside.mkdir()
+        make(aside, running)
+        aside.replace(results)
+    shutil.rmtree(running, ignore_errors=True)
+    return results
+
+
+def publish(
+    out: Path, metrics: Path, attributes: Mapping[str, Any], results: Sequence[Path], stage: str
+) -> None:
+    """Writes a branch's weights as ``out/repeat_{r}.pt`` and its metrics.
+
+    Args:
+        out: folder.
+        metrics: JSON file.
+        attributes: of the branch's store, see :func:`branch_metrics`.
+        results: of each repeat, a folder with ``weights.pt`` and ``metrics.json``.
+        stage: who does so.
+    """
+    with writing(out) as folder:
+        folder.mkdir()
+        for repeat, result in enumerate(results):
+            shutil.copyfile(result / "weights.pt", folder / f"repeat_{repeat}.pt")
+    write_json(metrics, branch_metrics(attributes, [read_json(r / "metrics.json", stage) for r in results]))
+
+
+def branch_metrics(attributes: Mapping[str, Any], repeats: Sequence[Mapping[str, float]]) -> dict[str, Any]:
+    """A branch's metrics: its viewpoint, each repeat's numbers, and their means as ``…_mean``.
+
+    Args:
+        attributes: of the branch's store; ``scene``, ``theta_deg`` and ``phi_deg`` are taken.
+        repeats: numbers of each repeat; all with the same names.
+    """
+    viewpoint = {name: attributes[name] for name in ("scene", "theta_deg", "phi_deg")}
+    numbered = [{"repeat": index, **numbers} for index, numbers in enumerate(repeats)]
+    means = {f"{name}_mean": sum(r[name] for r in repeats) / len(repeats) for name in repeats[0]}
+    return {**viewpoint, "repeats": numbered, **means}

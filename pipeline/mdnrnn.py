@@ -1,0 +1,56 @@
+"""Trains the MDN-RNN of one viewpoint: one network per repeat, on that repeat's latents."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.contract import params, seeds, zarrs
+from pipeline.contract.artefacts import write_json
+from pipeline.contract.scratch import digest_arrays
+from pipeline.contract.seeds import Stream
+from pipeline.contract.split import split_episodes
+from pipeline.contract.stage import entry
+from pipeline.learning.device import Compute, compute
+from pipeline.learning.repeats import code_digest, finished, publish
+from pipeline.worldmodel.mdnrnn import save_mdnrnn
+from pipeline.worldmodel.mdnrnn_training import Sequences, fit, sequences
+from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes
+
+CODE = ("contract", "learning", "worldmodel", "mdnrnn.py")
+
+
+def main(*, latents: Path, out: Path, metrics: Path) -> None:
+    """Writes ``out/repeat_{r}.pt`` and the metrics."""
+    store = zarrs.Store(latents, zarrs.LATENTS, "latents")
+    place = compute()
+    results = [train_repeat(store, repeat, place) for repeat in range(store.repeats)]
+    publish(out, metrics, store.attributes, results, "mdnrnn")
+
+
+def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
+    """The scratch folder of a repeat's finished ``weights.pt`` and ``metrics.json``."""
+    arrays = {name: store.repeat(name, repeat) for name in zarrs.LATENTS}
+    method, sizes = params.section(MdnRnnParams, "mdnrnn"), params.budget_section(MdnRnnSizes, "mdnrnn")
+    training, heldout = split_episodes(len(arrays["mean"]), params.heldout_share())
+    seed = params.seed()
+
+    def chosen(episodes: np.ndarray) -> Sequences:
+        columns = {name: arrays[name][episodes] for name in zarrs.LATENTS}
+        return sequences(columns, place.device)
+
+    def make(results: Path, running: Path) -> None:
+        draws, what = seeds.integer(seed, repeat, Stream.MDNRNN), f"mdnrnn, repeat {repeat}"
+        network, numbers = fit(chosen(training), chosen(heldout), method, sizes, place, draws, running, what)
+        save_mdnrnn(results / "weights.pt", network)
+        write_json(results / "metrics.json", numbers)
+
+    decides: dict[str, Any] = {"inputs": digest_arrays(arrays), "code": code_digest(*CODE), "seed": seed}
+    decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
+    return finished("mdnrnn", repeat, make, heldout=heldout.tolist(), **decides)
+
+
+if __name__ == "__main__":
+    entry(main)

@@ -1,0 +1,46 @@
+"""report: one self-contained HTML page over all scenes, verdicts first."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pipeline.contract import params
+from pipeline.contract.artefacts import writing
+from pipeline.contract.errors import unknown
+from pipeline.contract.stage import entry
+from pipeline.reporting.page import render
+from pipeline.reporting.provenance import revision
+from pipeline.reporting.results import read_results
+
+
+def main(*, rankings: Path, branches: Path, anchors: Path, pictures: Path, out: Path) -> None:
+    """Writes the report.
+
+    Args:
+        rankings: folder of the scenes' rankings.
+        branches: folder of the branches' tables, by scene.
+        anchors: folder of the scenes' anchors.
+        pictures: folder of the branches' pictures; those that are absent are named on the page.
+        out: the HTML file.
+    """
+    scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
+    page = render(scenes, missing, pictures, revision(), _parameters())
+    with writing(out) as aside:
+        aside.write_text(page, encoding="utf-8")
+
+
+def _parameters() -> dict[str, object]:
+    """What decides the scale of the results."""
+    budget, budgets = params.value("budget"), params.value("budgets")
+    if budget not in budgets:
+        raise unknown(f"budget (in {params.PARAMS_FILE})", budget, budgets)
+    return {
+        "budget": budget,
+        "seed": params.seed(),
+        "heldout_share": params.heldout_share(),
+        budget: budgets[budget],
+    }
+
+
+if __name__ == "__main__":
+    entry(main)

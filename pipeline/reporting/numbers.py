@@ -1,0 +1,50 @@
+"""How numbers are written on the page, and nowhere else decided."""
+
+from __future__ import annotations
+
+MISSING = "–"
+
+
+def fixed(value: float | None, digits: int) -> str:
+    """``value`` with ``digits`` decimals, a true minus sign and no minus zero; a dash for None."""
+    if value is None:
+        return MISSING
+    text = f"{value:.{digits}f}"
+    if float(text) == 0:
+        text = text.lstrip("-")
+    return text.replace("-", "−")
+
+
+def metres(value: float | None) -> str:
+    """A return or a difference of returns (m, summed over frames)."""
+    return fixed(value, 2)
+
+
+def score(value: float | None) -> str:
+    """A normalised score (0 = blind, 1 = expert)."""
+    return fixed(value, 2)
+
+
+def centimetres(value_m: float | None) -> str:
+    """A length given in metres, written in centimetres."""
+    return fixed(None if value_m is None else 100 * value_m, 1)
+
+
+def percent(share: float | None) -> str:
+    """A share of 1 as a whole percentage."""
+    return MISSING if share is None else f"{fixed(100 * share, 0)}\u00a0%"
+
+
+def degrees(value_deg: float) -> str:
+    """An angle, with as many decimals as it has."""
+    return f"{value_deg:g}°".replace("-", "−")
+
+
+def interval(low: float | None, high: float | None) -> str:
+    """Both ends of an interval, or a dash where there is none (a single repeat)."""
+    return MISSING if low is None or high is None else f"{fixed(low, 2)} to {fixed(high, 2)}"
+
+
+def seconds(value_s: float | None) -> str:
+    """A duration in seconds, whole from 10 s up."""
+    return MISSING if value_s is None else fixed(value_s, 0 if value_s >= 10 else 1)

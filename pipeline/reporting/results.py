@@ -1,0 +1,112 @@
+"""Reading what the stages found: rankings, anchors, and the tables of each ranked branch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import polars as pl
+
+from pipeline.contract.errors import BelvedereError
+from pipeline.reporting.tables import Anchors, Evaluation, Mdnrnn, Ranked, Ranking, Vae, read
+
+CURVE_COLUMNS = {
+    "repeat": pl.Int64,
+    "generation": pl.Int64,
+    "frames": pl.Int64,
+    "mean": pl.Float64,
+    "best": pl.Float64,
+}
+
+
+@dataclass(frozen=True)
+class View:
+    """A ranked viewpoint with the tables of its branch."""
+
+    key: str
+    label: str
+    ranked: Ranked
+    vae: Vae
+    mdnrnn: Mdnrnn
+    evaluation: Evaluation
+    curve: pl.DataFrame
+
+
+@dataclass(frozen=True)
+class SceneResults:
+    """A ranked scene; ``views`` stand in the order of their ranks."""
+
+    name: str
+    ranking: Ranking
+    anchors: Anchors
+    views: tuple[View, ...]
+
+
+def read_results(
+    scenes: Sequence[str], rankings: Path, branches: Path, anchors: Path
+) -> tuple[list[SceneResults], list[str]]:
+    """Reads all scenes that have been ranked; of branches, only those a ranking names.
+
+    Returns:
+        The ranked scenes in the order of ``scenes``, and the names of those not ranked yet.
+
+    Raises:
+        BelvedereError: no scene is ranked, or a table is missing, foreign or incomplete.
+    """
+    present = [name for name in scenes if (rankings / f"{name}.json").is_file()]
+    if not present:
+        raise BelvedereError(
+            f"{rankings} holds a ranking of none of the scenes in params.yaml "
+            f"({', '.join(scenes) or 'none'}); `dvc repro ranking` makes them."
+        )
+    found = [_scene(name, rankings, branches / name, anchors) for name in present]
+    return found, [name for name in scenes if name not in present]
+
+
+def _scene(name: str, rankings: Path, branches: Path, anchors: Path) -> SceneResults:
+    ranking = read(Ranking, rankings / f"{name}.json", f"ranking@{name}")
+    if ranking.scene != name or not ranking.viewpoints:
+        raise BelvedereError(
+            f"{rankings / f'{name}.json'} ranks {len(ranking.viewpoints)} viewpoint(s) of scene "
+            f"{ranking.scene!r}, not those of {name!r}; run `dvc repro ranking@{name}`."
+        )
+    ordered = sorted(ranking.viewpoints.items(), key=lambda item: (item[1].rank, item[0]))
+    return SceneResults(
+        name=name,
+        ranking=ranking,
+        anchors=read(Anchors, anchors / f"{name}.json", f"anchors@{name}"),
+        views=tuple(_view(name, key, ranked, branches / key) for key, ranked in ordered),
+    )
+
+
+def _view(scene: str, key: str, ranked: Ranked, folder: Path) -> View:
+    return View(
+        key=key,
+        label=short(key, scene),
+        ranked=ranked,
+        vae=read(Vae, folder / "vae.json", f"vae@{key}"),
+        mdnrnn=read(Mdnrnn, folder / "mdnrnn.json", f"mdnrnn@{key}"),
+        evaluation=read(Evaluation, folder / "evaluation.json", f"evaluation@{key}"),
+        curve=_read_curve(folder / "controller.csv", f"controller@{key}"),
+    )
+
+
+def short(key: str, scene: str) -> str:
+    """A branch's name within its scene: ``a`` for ``panda_2dof-a``."""
+    return key.removeprefix(f"{scene}-")
+
+
+def _read_curve(path: Path, made_by: str) -> pl.DataFrame:
+    if not path.is_file():
+        raise BelvedereError(f"{path} is missing; `dvc repro {made_by}` makes it.")
+    try:
+        curve = pl.read_csv(path, schema_overrides=CURVE_COLUMNS).select(*CURVE_COLUMNS)
+    except pl.exceptions.PolarsError as error:
+        reason = " ".join(str(error).split())[:120]
+        raise BelvedereError(
+            f"{path} is no learning curve ({reason}); delete it and run `dvc repro {made_by}`."
+        ) from None
+    if curve.is_empty():
+        raise BelvedereError(f"{path} holds no generation; `dvc repro {made_by}` makes it anew.")
+    return curve

@@ -1,0 +1,168 @@
+"""How an action becomes a motion: a displacement of the tip, for a whole batch of worlds at once.
+
+An action is a share of the largest displacement per controlled axis, in [-1, 1]. It is counted from
+where the tip is, as in panda-gym and FetchReach, so a blocked tip winds nothing up; the wished place
+is kept within the workspace, and the axes that are not controlled stay where the episode began.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import mujoco
+import numpy as np
+from mujoco import batch as mujoco_batch
+
+from pipeline.contract.errors import BelvedereError
+from pipeline.sim.scene import Scene, initial_data
+
+_DAMPING = 1e-3  # of the least squares, keeps joint steps finite near singular postures
+_NEWTON_STEPS = 2  # per frame; a displacement of 0.05 m is solved to well below 1 mm
+_SETUP_STEPS = 100
+_TOLERANCE_M = 1e-3
+
+
+Fields = dict[str, np.ndarray]  # MjData fields to be written, each with a leading axis over worlds
+
+
+@dataclass(frozen=True, eq=False)
+class Hand:
+    """Where each world's hand is: tip and body places (n, 3), m, and body orientation (n, 4)."""
+
+    tip_m: np.ndarray
+    body_m: np.ndarray
+    body_quaternion: np.ndarray
+
+
+class Drive(Protocol):
+    """Turns wished tip places into fields of ``count`` simulations; it holds no simulation itself."""
+
+    def reset(self, start_m: np.ndarray, target_m: np.ndarray) -> Fields:
+        """The state with every tip at its start, at rest; shapes (n, 3), m."""
+
+    def move(self, hand: Hand, wished_m: np.ndarray) -> Fields:
+        """The controls that bring each tip towards its wished place; shape (n, 3), m."""
+
+
+def wished_place(scene: Scene, tip_m: np.ndarray, start_m: np.ndarray, action: np.ndarray) -> np.ndarray:
+    """Where the tip should go: shapes (n, 3), (n, 3) and (n, action_size) → (n, 3), m."""
+    axes = list(scene.axes)
+    low = np.asarray(scene.params.workspace.low_m)[axes]
+    high = np.asarray(scene.params.workspace.high_m)[axes]
+    wished = start_m.copy()
+    step = scene.params.displacement_m * np.clip(action, -1.0, 1.0)
+    wished[:, axes] = np.clip(tip_m[:, axes] + step, low, high)
+    return wished
+
+
+class JointDrive:
+    """Inverse kinematics, batched over worlds, to a position actuator per joint (Panda).
+
+    The joint commands of each world live in a second batch over the same model that is never
+    stepped: damped least squares on its tip pose, from the last command, keeps the hand upright.
+    """
+
+    def __init__(self, scene: Scene, count: int, threads: int) -> None:
+        self._scene, self._count = scene, count
+        model = scene.model
+        joints = [model.joint(name) for name in scene.robot.home]
+        self._dofs = np.array([j.dofadr[0] for j in joints])
+        self._coordinates = np.array([j.qposadr[0] for j in joints])
+        self._low, self._high = np.array([j.range for j in joints]).T
+        self._body = int(model.site_bodyid[scene.tip_site])
+        home = initial_data(scene)
+        self._home_qpos = home.qpos.copy()
+        self._upright = home.site_xmat[scene.tip_site].reshape(3, 3).copy()
+        self._ghost = mujoco_batch.Batch(model, count, threads)
+        self._qpos = self._ghost.bind("qpos")
+        self._places = self._ghost.bind("site_xpos")
+        self._turns = self._ghost.bind("site_xmat")
+        ctrl = [model.actuator(a).trnid[0] for a in range(model.nu)]
+        self._actuated = np.array([model.jnt_qposadr[j] for j in ctrl])
+
+    def reset(self, start_m: np.ndarray, target_m: np.ndarray) -> Fields:
+        self._qpos[:] = self._home_qpos
+        for _ in range(_SETUP_STEPS):
+            if not self._newton(start_m, enough_m=_TOLERANCE_M / 10).any():
+                break
+        self._refuse_unreached(start_m)
+        mocap = np.zeros((self._count, self._scene.model.nmocap, 3))
+        mocap[:, self._scene.target_mocap] = target_m
+        rest = np.zeros((self._count, self._scene.model.nv))
+        commands = self._qpos[:, self._actuated]
+        return {"qpos": self._qpos.copy(), "ctrl": commands, "mocap_pos": mocap, "qacc_warmstart": rest}
+
+    def move(self, hand: Hand, wished_m: np.ndarray) -> Fields:
+        for _ in range(_NEWTON_STEPS):
+            self._newton(wished_m)
+        return {"ctrl": self._qpos[:, self._actuated]}
+
+    def _newton(self, wished_m: np.ndarray, enough_m: float = -1.0) -> np.ndarray:
+        """One damped least-squares step of the worlds farther off than ``enough_m``; returns which.
+
+        Each world stops on its own account, or its last bits would depend on its neighbours.
+        """
+        site = self._scene.tip_site
+        self._ghost.forward(stage=mujoco.mjtStage.mjSTAGE_POS)
+        place = self._places[:, site].copy()
+        turn = self._turns[:, site].reshape(-1, 3, 3)
+        along, about = self._ghost.jac(self._body, place)
+        jacobian = np.concatenate([along, about], axis=1)[:, :, self._dofs]
+        # rotation error as a vector: half the sum of cross products of matching axes
+        tilt = 0.5 * np.cross(turn.transpose(0, 2, 1), self._upright.T[None]).sum(axis=1)
+        error = np.concatenate([wished_m - place, tilt], axis=1)
+        gram = jacobian @ jacobian.transpose(0, 2, 1) + _DAMPING**2 * np.eye(6)
+        step = jacobian.transpose(0, 2, 1) @ np.linalg.solve(gram, error[:, :, None])
+        off = np.linalg.norm(wished_m - place, axis=1) > enough_m
+        moved = self._qpos[:, self._coordinates] + step[:, :, 0] * off[:, None]
+        self._qpos[:, self._coordinates] = np.clip(moved, self._low, self._high)
+        return off
+
+    def _refuse_unreached(self, start_m: np.ndarray) -> None:
+        self._ghost.forward(stage=mujoco.mjtStage.mjSTAGE_POS)
+        missed = np.linalg.norm(self._places[:, self._scene.tip_site] - start_m, axis=1)
+        if missed.max() > _TOLERANCE_M:
+            point = np.round(start_m[int(missed.argmax())], 3).tolist()
+            raise BelvedereError(
+                f"scene {self._scene.name}: the robot cannot bring its tip to {point} m (it stays "
+                f"{missed.max():.3f} m away); move the scene's start, target or workspace in params.yaml."
+            )
+
+
+class MocapDrive:
+    """A weld to a mocap body pulls the tip, as in FetchReach: from where the body is, each frame."""
+
+    def __init__(self, scene: Scene, count: int, threads: int) -> None:
+        self._scene, self._count = scene, count
+        self._mocap = int(scene.model.body(scene.robot.mocap).mocapid[0])
+        self._settled = initial_data(scene)
+        self._mocap_pos = np.repeat(self._settled.mocap_pos[None], count, axis=0)
+        self._mocap_quat = np.repeat(self._settled.mocap_quat[None], count, axis=0)
+
+    def reset(self, start_m: np.ndarray, target_m: np.ndarray) -> Fields:
+        home_tip = self._settled.site_xpos[self._scene.tip_site]
+        missed = np.linalg.norm(start_m - home_tip, axis=1).max()
+        if missed > 5 * _TOLERANCE_M:
+            raise BelvedereError(
+                f"scene {self._scene.name}: episodes start {missed:.3f} m from the robot's own start "
+                f"{np.round(home_tip, 4).tolist()} m; set scenes.{self._scene.name}.start to it."
+            )
+        self._mocap_pos[:] = self._settled.mocap_pos
+        self._mocap_quat[:] = self._settled.mocap_quat
+        self._mocap_pos[:, self._scene.target_mocap] = target_m
+        moving = ("qpos", "qvel", "qacc_warmstart")
+        state = {f: np.repeat(getattr(self._settled, f)[None], self._count, axis=0) for f in moving}
+        return {**state, "mocap_pos": self._mocap_pos, "mocap_quat": self._mocap_quat}
+
+    def move(self, hand: Hand, wished_m: np.ndarray) -> Fields:
+        self._mocap_pos[:, self._mocap] = hand.body_m + (wished_m - hand.tip_m)
+        self._mocap_quat[:, self._mocap] = hand.body_quaternion
+        return {"mocap_pos": self._mocap_pos, "mocap_quat": self._mocap_quat}
+
+
+def drive(scene: Scene, count: int, threads: int) -> Drive:
+    """The drive of the scene's robot."""
+    kinds: dict[str, Callable[[Scene, int, int], Drive]] = {"joints": JointDrive, "mocap": MocapDrive}
+    return kinds[scene.robot.drive](scene, count, threads)

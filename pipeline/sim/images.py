@@ -1,0 +1,181 @@
+"""Ray-traced pictures of a batch of worlds from one viewpoint (Warp; needs no OpenGL).
+
+mujoco_warp poses the geoms; :mod:`pipeline.sim.raytracer` and :mod:`pipeline.sim.painting` draw them.
+"""
+
+from __future__ import annotations
+
+import copy
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import mujoco
+import mujoco_warp as mjw
+import numpy as np
+import warp as wp
+
+from pipeline.contract.errors import BelvedereError
+from pipeline.sim import drawn, painting
+from pipeline.sim.camera import Viewpoint, camera_to_world
+from pipeline.sim.scene import CAMERA, TARGET_GROUP, Scene
+from pipeline.sim.sight import PICTURE_SIZE
+from pipeline.sim.tracing import StillLife, Tracer
+
+VISIBLE_GROUPS = (0, 1, 2)
+_NO_GEOM = -2
+_SHARD = 32  # worlds a call; small enough to share out evenly, large enough to fill a core
+
+
+def start_ray_tracer() -> None:
+    """Starts Warp quietly.
+
+    Raises:
+        BelvedereError: its kernel cache cannot be written to.
+    """
+    wp.config.log_level = wp.LOG_ERROR
+    try:
+        wp.init()
+        folder = wp.config.kernel_cache_dir
+        os.makedirs(folder, exist_ok=True)
+        if not os.access(folder, os.W_OK):
+            raise PermissionError(13, "Permission denied", folder)
+    except OSError as error:
+        raise BelvedereError(
+            f"Warp's kernel cache {error.filename or wp.config.kernel_cache_dir} cannot be written to; make "
+            "it writable or set WARP_CACHE_PATH to a folder that is."
+        ) from None
+
+
+def model_seen_from(scene: Scene, view: Viewpoint) -> mujoco.MjModel:
+    """A copy of the scene's model with its camera at a viewpoint."""
+    model = copy.copy(scene.model)
+    camera = model.camera(CAMERA).id
+    position, rotation = camera_to_world(scene.params.camera, view)
+    model.cam_pos[camera] = position
+    mujoco.mju_mat2Quat(model.cam_quat[camera], rotation.reshape(-1))
+    return model
+
+
+class Images:
+    """Pictures of ``count`` worlds; used by one thread at a time (it releases the GIL).
+
+    Args:
+        scene: the compiled scene.
+        view: where the camera stands.
+        count: how many worlds a call draws at most.
+        size: side of the square picture, pixels.
+        antialias: rays per pixel and side.
+        groups: the geom groups that are drawn.
+        segment: whether :meth:`target_pixels` is wanted.
+
+    Raises:
+        BelvedereError: the scene holds a geom or light that cannot be drawn.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        view: Viewpoint,
+        count: int,
+        size: int = PICTURE_SIZE,
+        antialias: int = 1,
+        groups: tuple[int, ...] = VISIBLE_GROUPS,
+        segment: bool = False,
+    ) -> None:
+        start_ray_tracer()
+        model = model_seen_from(scene, view)
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        self._scene, self._antialias = scene, antialias
+        self._target = scene.target_geom if segment else _NO_GEOM
+        geoms = drawn.drawn_geoms(model, groups)
+        still = drawn.still(model, geoms)
+        samples, camera = size * antialias, model.camera(CAMERA).id
+        with wp.ScopedDevice("cpu"):
+            self._model = mjw.put_model(model)
+            self._data = mjw.make_data(model, nworld=count, nconmax=1, njmax=1)
+            mjw.kinematics(self._model, self._data)
+            eye, rays = drawn.view_of(model, data, camera, samples)
+            lights = drawn.lights_of(model, data, camera)
+            fixed = Tracer(model, geoms[still], 1, eye, rays)
+            self._tracer = Tracer(model, geoms[~still], count, eye, rays)
+            fixed.subject.lights = self._tracer.subject.lights = lights
+            self._still = StillLife(fixed, self._data, wp.vec3(*scene.params.light.background_rgb))
+            self._rgb = wp.zeros((count, size, size, 3), dtype=wp.uint8)
+            self._seen = wp.zeros(count, dtype=int)
+        # On the CPU these share memory with Warp's arrays.
+        self._qpos, self._mocap = self._data.qpos.numpy(), self._data.mocap_pos.numpy()
+
+    def render(self, qpos: np.ndarray, target_m: np.ndarray) -> np.ndarray:
+        """Draws the worlds.
+
+        Args:
+            qpos: generalised positions, shape (n, nq), n at most ``count``.
+            target_m: target positions, shape (n, 3), m.
+
+        Returns:
+            uint8 pictures, shape (n, size, size, 3); the memory is used again by the next call.
+        """
+        n, size = len(qpos), self._rgb.shape[1]
+        self._qpos[:n], self._mocap[:n, self._scene.target_mocap] = qpos, target_m
+        with wp.ScopedDevice("cpu"):
+            mjw.kinematics(self._model, self._data)
+            self._tracer.trace(n, self._data, self._still.distance)
+            self._seen.zero_()
+            wp.launch(
+                painting.paint,
+                dim=(n, size, 1),
+                inputs=[
+                    *(self._tracer.hits, self._tracer.subject, self._still.rgb, self._still.number),
+                    *(self._antialias, self._target, size),
+                ],
+                outputs=[self._rgb, self._seen],
+            )
+        return self._rgb.numpy()[:n]
+
+    def target_pixels(self, count: int) -> np.ndarray:
+        """In how many pixels of the last pictures the target is seen; shape (count,)."""
+        return self._seen.numpy()[:count] // self._antialias**2
+
+
+class Gallery:
+    """Pictures of any number of worlds, on all cores: for what is rendered outside the closed loop."""
+
+    def __init__(self, scene: Scene, view: Viewpoint, threads: int, segment: bool = False) -> None:
+        self._workers = [Images(scene, view, _SHARD, segment=segment) for _ in range(threads)]
+        self._free = list(self._workers)
+        self._pool = ThreadPoolExecutor(threads)
+        self._segment = segment
+
+    def render(
+        self, qpos: np.ndarray, target_m: np.ndarray, drawn: Callable[[int], None]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Draws worlds (n, nq), (n, 3): pictures (n, 64, 64, 3) and pixels of the target (n,).
+
+        ``drawn`` is told, from any thread, how many more pictures are done.
+        """
+        n = len(qpos)
+        rgb = np.empty((n, PICTURE_SIZE, PICTURE_SIZE, 3), np.uint8)
+        pixels = np.zeros(n, np.int32)
+
+        def draw(begin: int) -> None:
+            worker = self._free.pop()
+            part = slice(begin, min(begin + _SHARD, n))
+            rgb[part] = worker.render(qpos[part], target_m[part])
+            if self._segment:
+                pixels[part] = worker.target_pixels(part.stop - begin)
+            self._free.append(worker)
+            drawn(part.stop - begin)
+
+        list(self._pool.map(draw, range(0, n, _SHARD)))
+        return rgb, pixels
+
+
+def target_pixels_unhidden(
+    scene: Scene, view: Viewpoint, qpos: np.ndarray, target_m: np.ndarray
+) -> np.ndarray:
+    """Pixels of the target, were nothing in front of it: shapes (n, nq), (n, 3) → (n,)."""
+    images = Images(scene, view, len(qpos), groups=(TARGET_GROUP,), segment=True)
+    images.render(qpos, target_m)
+    return images.target_pixels(len(qpos))

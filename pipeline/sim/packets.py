@@ -1,0 +1,177 @@
+"""What rays from one origin meet of one geom: a primitive, or, sixteen rays at once, a mesh.
+
+Warp and mujoco_warp trace ray by ray; on the CPU a packet of neighbours through a mesh is 2 to 3
+times as fast, with the same picture.
+"""
+
+from __future__ import annotations
+
+import warp as wp
+from mujoco import mjtGeom
+from mujoco_warp._src import ray  # its primitives, which mujoco_warp does not export
+
+SIDE = 4  # of a packet, samples
+LANES = SIDE * SIDE
+
+PLANE, _SPHERE, _CAPSULE = int(mjtGeom.mjGEOM_PLANE), int(mjtGeom.mjGEOM_SPHERE), int(mjtGeom.mjGEOM_CAPSULE)
+_CYLINDER, _ELLIPSOID = int(mjtGeom.mjGEOM_CYLINDER), int(mjtGeom.mjGEOM_ELLIPSOID)
+_BOX, MESH = int(mjtGeom.mjGEOM_BOX), int(mjtGeom.mjGEOM_MESH)
+KINDS = (PLANE, _SPHERE, _CAPSULE, _CYLINDER, _ELLIPSOID, _BOX, MESH)
+
+# Walks the search tree of a wp.Mesh with 16 rays at once. A node is entered if any ray meets its box
+# nearer than what that ray has met; the nearer child comes first. All rays start at one point, so
+# of a triangle's test all but three dot products a ray are done once (Möller and Trumbore 1997).
+# Returns how far the farthest of the 16 rays now reaches. On CUDA each ray goes alone.
+_QUERY = """
+const int base = packet * 16;
+float* distance = distances.data + world * distances.shape[1] + base;
+int* slot_of = slots.data + world * slots.shape[1] + base;
+int* face_of = faces.data + world * faces.shape[1] + base;
+float* u_of = us.data + world * us.shape[1] + base;
+float* v_of = vs.data + world * vs.shape[1] + base;
+const float* ray_x = rays.data + base;
+const float* ray_y = ray_x + rays.shape[1];
+const float* ray_z = ray_y + rays.shape[1];
+#if defined(__CUDA_ARCH__)
+float reach = 0.0f;
+for (int lane = 0; lane < 16; ++lane) {
+    wp::vec3 ray(ray_x[lane], ray_y[lane], ray_z[lane]);
+    wp::vec3 local = wp::mul(wp::transpose(rotation), ray), normal;
+    float t, u, v, sign;
+    int face;
+    if (wp::mesh_query_ray(mesh_id, origin, local, distance[lane], t, u, v, sign, normal, face)) {
+        distance[lane] = t; slot_of[lane] = slot; face_of[lane] = face; u_of[lane] = u; v_of[lane] = v;
+    }
+    reach = distance[lane] > reach ? distance[lane] : reach;
+}
+return reach;
+#else
+typedef float Floats __attribute__((vector_size(64), aligned(4)));
+typedef int Ints __attribute__((vector_size(64), aligned(4)));
+const float far = 3.0e38f, slack = 1.0e-5f;
+const wp::Mesh mesh = wp::mesh_get(mesh_id);
+const Floats wx = *(const Floats*)ray_x, wy = *(const Floats*)ray_y, wz = *(const Floats*)ray_z;
+const Floats dx = wx * rotation.data[0][0] + wy * rotation.data[1][0] + wz * rotation.data[2][0];
+const Floats dy = wx * rotation.data[0][1] + wy * rotation.data[1][1] + wz * rotation.data[2][1];
+const Floats dz = wx * rotation.data[0][2] + wy * rotation.data[1][2] + wz * rotation.data[2][2];
+const Floats tiny = dx - dx + 1.0e-20f;
+const Floats ix = 1.0f / (dx * dx < 1.0e-30f ? tiny : dx);
+const Floats iy = 1.0f / (dy * dy < 1.0e-30f ? tiny : dy);
+const Floats iz = 1.0f / (dz * dz < 1.0e-30f ? tiny : dz);
+Floats t = *(Floats*)distance, u = *(Floats*)u_of, v = *(Floats*)v_of;
+Ints slot_now = *(Ints*)slot_of, face = *(Ints*)face_of;
+float reach = __builtin_reduce_max(t);
+int stack[64];
+float entry[64];
+int depth = 0, node = *mesh.bvh.root;
+while (true) {
+    const wp::BVHPackedNodeHalf lower = mesh.bvh.node_lowers[node], upper = mesh.bvh.node_uppers[node];
+    bool down = false;
+    if (lower.b) {
+        for (int item = lower.i; item < (int)upper.i; ++item) {
+            const int primitive = mesh.bvh.primitive_indices[item];
+            const wp::vec3 a = mesh.points[mesh.indices[3 * primitive]];
+            const wp::vec3 e = mesh.points[mesh.indices[3 * primitive + 1]] - a;
+            const wp::vec3 f = mesh.points[mesh.indices[3 * primitive + 2]] - a;
+            const wp::vec3 s = origin - a;
+            const wp::vec3 n = wp::cross(f, e), p = wp::cross(f, s), q = wp::cross(s, e);
+            const float volume = wp::dot(f, q);
+            const Floats towards = dx * n[0] + dy * n[1] + dz * n[2];
+            const Floats scale = 1.0f / (towards == 0.0f ? tiny : towards);
+            const Floats at_e = (dx * p[0] + dy * p[1] + dz * p[2]) * scale;
+            const Floats at_f = (dx * q[0] + dy * q[1] + dz * q[2]) * scale;
+            const Floats at = volume * scale, at_a = 1.0f - at_e - at_f;
+            const Ints inside = (at_e >= -slack) & (at_f >= -slack) & (at_a >= -slack);
+            const Ints nearer = inside & (at >= 0.0f) & (at < t) & (towards != 0.0f);
+            if (!__builtin_reduce_or(nearer)) continue;
+            t = nearer ? at : t;
+            u = nearer ? at_a : u;
+            v = nearer ? at_e : v;
+            face = nearer ? (face - face + primitive) : face;
+            slot_now = nearer ? (face - face + slot) : slot_now;
+            reach = __builtin_reduce_max(t);
+        }
+    } else {
+        float first[2];
+        const int child[2] = {(int)lower.i, (int)upper.i};
+        for (int k = 0; k < 2; ++k) {
+            const wp::BVHPackedNodeHalf low = mesh.bvh.node_lowers[child[k]];
+            const wp::BVHPackedNodeHalf high = mesh.bvh.node_uppers[child[k]];
+            const Floats x0 = (low.x - origin[0]) * ix, x1 = (high.x - origin[0]) * ix;
+            const Floats y0 = (low.y - origin[1]) * iy, y1 = (high.y - origin[1]) * iy;
+            const Floats z0 = (low.z - origin[2]) * iz, z1 = (high.z - origin[2]) * iz;
+            const Floats in_x = x0 < x1 ? x0 : x1, out_x = x0 < x1 ? x1 : x0;
+            const Floats in_y = y0 < y1 ? y0 : y1, out_y = y0 < y1 ? y1 : y0;
+            const Floats in_z = z0 < z1 ? z0 : z1, out_z = z0 < z1 ? z1 : z0;
+            const Floats in_xy = in_x > in_y ? in_x : in_y, out_xy = out_x < out_y ? out_x : out_y;
+            const Floats in = in_xy > in_z ? in_xy : in_z, out = out_xy < out_z ? out_xy : out_z;
+            const Floats end = out * 1.000001f < t ? out * 1.000001f : t;
+            first[k] = __builtin_reduce_min(((in <= end) & (out >= 0.0f)) ? in : (in - in + far));
+        }
+        const int near_child = first[0] <= first[1] ? 0 : 1;
+        if (first[1 - near_child] < far && depth < 64) {
+            stack[depth] = child[1 - near_child];
+            entry[depth++] = first[1 - near_child];
+        }
+        if (first[near_child] < far) {
+            node = child[near_child];
+            down = true;
+        }
+    }
+    while (!down && depth > 0) {
+        --depth;
+        if (entry[depth] < reach) {
+            node = stack[depth];
+            down = true;
+        }
+    }
+    if (!down) break;
+}
+*(Floats*)distance = t;
+*(Floats*)u_of = u;
+*(Floats*)v_of = v;
+*(Ints*)face_of = face;
+*(Ints*)slot_of = slot_now;
+return reach;
+#endif
+"""
+
+
+@wp.func
+def meet_primitive(
+    kind: int, size: wp.vec3, position: wp.vec3, rotation: wp.mat33, origin: wp.vec3, direction: wp.vec3
+) -> tuple[float, wp.vec3]:
+    """Distance (negative: none) and normal."""
+    distance = wp.float32(-1.0)
+    normal = wp.vec3(0.0)
+    if kind == wp.static(_SPHERE):
+        distance, normal = ray.ray_sphere(position, size[0] * size[0], origin, direction)
+    elif kind == wp.static(_BOX):
+        distance, _, normal = ray.ray_box(position, rotation, size, origin, direction)
+    elif kind == wp.static(PLANE):
+        distance, normal = ray.ray_plane(position, rotation, size, origin, direction)
+    elif kind == wp.static(_CAPSULE):
+        distance, normal = ray.ray_capsule(position, rotation, size, origin, direction)
+    elif kind == wp.static(_CYLINDER):
+        distance, normal = ray.ray_cylinder(position, rotation, size, origin, direction)
+    elif kind == wp.static(_ELLIPSOID):
+        distance, normal = ray.ray_ellipsoid(position, rotation, size, origin, direction)
+    return distance, normal
+
+
+@wp.func_native(_QUERY)
+def meet_mesh(  # type: ignore[empty-body]
+    mesh_id: wp.uint64,
+    origin: wp.vec3,
+    rotation: wp.mat33,
+    rays: wp.array2d[float],
+    world: int,
+    packet: int,
+    slot: int,
+    distances: wp.array2d[float],
+    slots: wp.array2d[int],
+    faces: wp.array2d[int],
+    us: wp.array2d[float],
+    vs: wp.array2d[float],
+) -> float:
+    """A packet against a mesh; returns how far the farthest ray now reaches."""

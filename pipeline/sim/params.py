@@ -1,0 +1,118 @@
+"""What params.yaml says of a scene; lengths in metres, world frame, x forward, y left, z up."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from pipeline.contract.params import Section
+
+Axis = Literal["x", "y", "z"]
+Vector = tuple[float, float, float]
+Positive = Annotated[float, Field(gt=0)]
+AXES: tuple[Axis, ...] = ("x", "y", "z")
+
+
+class Box(Section):
+    """An axis-aligned solid box."""
+
+    center_m: Vector
+    half_size_m: tuple[Positive, Positive, Positive]
+
+
+class Range(Section):
+    """An axis-aligned range of positions."""
+
+    low_m: Vector
+    high_m: Vector
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Range:
+        if any(low > high for low, high in zip(self.low_m, self.high_m, strict=True)):
+            raise ValueError(f"low_m {self.low_m} must not lie above high_m {self.high_m}")
+        return self
+
+
+class Start(Range):
+    """Where the tip may start on the controlled axes; on the others it starts at the target's place.
+
+    ``above_target_m``: least height above the target, or null where the tip may start below it.
+    """
+
+    above_target_m: Annotated[float, Field(ge=0)] | None
+
+
+class Target(Section):
+    """The red sphere to reach: one of the candidates, moved by up to ± jitter on each axis.
+
+    Episodes begin only where at least ``seen_pixels`` of the 64 × 64 pixels show the target from each
+    direction (θ, φ) of ``seen_from_deg``: the same draws for whichever viewpoint is under study.
+    """
+
+    candidates_m: Annotated[tuple[Vector, ...], Field(min_length=1)]
+    jitter_m: tuple[
+        Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]
+    ]
+    radius_m: Positive
+    seen_from_deg: tuple[tuple[float, Annotated[float, Field(gt=-90, lt=90)]], ...]
+    seen_pixels: Annotated[int, Field(ge=0)]
+
+
+class Camera(Section):
+    """What all viewpoints of a scene share.
+
+    ``front_deg`` turns θ = 0°: at 0 the camera stands in front of the robot and looks along x.
+    """
+
+    look_at_m: Vector
+    distance_m: Positive
+    fov_deg: Annotated[float, Field(gt=0, lt=170)]
+    front_deg: float
+
+
+class Light(Section):
+    """Lights that are symmetric about the vertical: one from straight above, one at the camera."""
+
+    ambient: Annotated[float, Field(ge=0, le=1)]
+    above: Annotated[float, Field(ge=0, le=1)]
+    camera: Annotated[float, Field(ge=0, le=1)]
+    background_rgb: tuple[float, float, float]
+
+
+class SceneParams(Section):
+    """A scene: robot, controlled axes, start, targets, obstacles, camera, lights."""
+
+    robot: str
+    axes: Annotated[tuple[Axis, ...], Field(min_length=1, max_length=3)]
+    frames: Annotated[int, Field(ge=1)]
+    substeps: Annotated[int, Field(ge=1)]
+    timestep_s: Positive
+    displacement_m: Positive
+    workspace: Range
+    start: Start
+    target: Target
+    obstacles: tuple[Box, ...]
+    obstacle_clearance_m: Annotated[float, Field(ge=0)]
+    camera: Camera
+    light: Light
+
+    @model_validator(mode="after")
+    def _axes_ordered(self) -> SceneParams:
+        indices = [AXES.index(axis) for axis in self.axes]
+        if indices != sorted(set(indices)):
+            raise ValueError(f"axes {list(self.axes)} must be some of x, y, z, each once, in this order")
+        return self
+
+    @model_validator(mode="after")
+    def _target_within_workspace(self) -> SceneParams:
+        for candidate in self.target.candidates_m:
+            for axis in self.axes:
+                i = AXES.index(axis)
+                low, high = candidate[i] - self.target.jitter_m[i], candidate[i] + self.target.jitter_m[i]
+                if low < self.workspace.low_m[i] - 1e-9 or high > self.workspace.high_m[i] + 1e-9:
+                    raise ValueError(
+                        f"target candidate {candidate} with jitter {self.target.jitter_m} leaves the "
+                        f"workspace [{self.workspace.low_m[i]}, {self.workspace.high_m[i]}] m on axis {axis}"
+                    )
+        return self

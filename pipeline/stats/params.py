@@ -1,0 +1,17 @@
+"""The ranking's parameters."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from pipeline.contract.params import Section
+
+
+class RankingParams(Section):
+    """Section ``ranking`` of params.yaml.
+
+    Attributes:
+        confidence: the intervals' confidence level, strictly between 0 and 1.
+    """
+
+    confidence: float = Field(gt=0, lt=1)

@@ -1,0 +1,76 @@
+"""Trains the VAE of one viewpoint: one network per repeat, with probes of what it sees."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.contract import params, seeds, zarrs
+from pipeline.contract.artefacts import write_json
+from pipeline.contract.scratch import digest_arrays
+from pipeline.contract.seeds import Stream
+from pipeline.contract.split import split_episodes
+from pipeline.contract.stage import entry
+from pipeline.learning import checkpoints
+from pipeline.learning.device import Compute, compute
+from pipeline.learning.repeats import code_digest, finished, publish
+from pipeline.worldmodel.encoder import Encoder
+from pipeline.worldmodel.params import VaeParams, VaeSizes
+from pipeline.worldmodel.probes import Labelled, label, probe
+from pipeline.worldmodel.reconstructions import write_reconstructions
+from pipeline.worldmodel.vae import load_vae
+from pipeline.worldmodel.vae_training import fit
+
+CODE = ("contract", "learning", "worldmodel", "vae.py")
+READ = ("rgb", "tip", "target", "target_pixels", "target_pixels_free")
+
+
+def main(*, frames: Path, out: Path, metrics: Path, picture: Path) -> None:
+    """Writes ``out/repeat_{r}.pt``, the metrics, and repeat 0's held-out reconstructions."""
+    store = zarrs.Store(frames, zarrs.FRAMES, "frames")
+    place = compute()
+    results = [train_repeat(store, repeat, place) for repeat in range(store.repeats)]
+    publish(out, metrics, store.attributes, results, "vae")
+    rgb = store.repeat("rgb", 0)
+    _, heldout = split_episodes(len(rgb), params.heldout_share())
+    write_reconstructions(picture, load_vae(results[0] / "weights.pt"), flat(rgb[heldout]))
+
+
+def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
+    """The scratch folder of a repeat's finished ``weights.pt`` and ``metrics.json``."""
+    arrays = {name: store.repeat(name, repeat) for name in READ}
+    method, sizes = params.section(VaeParams, "vae"), params.budget_section(VaeSizes, "vae")
+    training, heldout = split_episodes(len(arrays["rgb"]), params.heldout_share())
+    strided, seed = {name: arrays[name][:, :: sizes.frame_stride] for name in ("rgb", "tip")}, params.seed()
+
+    def make(results: Path, running: Path) -> None:
+        draws, what = seeds.integer(seed, repeat, Stream.VAE), f"vae, repeat {repeat}"
+        seen, unseen = flat(strided["rgb"][training]), flat(strided["rgb"][heldout])
+        vae, numbers = fit(seen, unseen, method, sizes, place, draws, running, what)
+        encoder = Encoder(vae, place)
+
+        def labelled(pictures: np.ndarray, episodes: np.ndarray) -> Labelled:
+            return label(encoder(pictures), strided["tip"][episodes], arrays["target"][episodes])
+
+        probing = seeds.integer(seed, repeat, Stream.PROBES)
+        numbers |= probe(labelled(seen, training), labelled(unseen, heldout), method.probes, probing)
+        shares = arrays["target_pixels"] / np.maximum(arrays["target_pixels_free"], 1)[:, None]
+        hidden = arrays["target_pixels"] == 0
+        numbers |= {"target_seen_share": shares.mean(), "frames_target_hidden_share": hidden.mean()}
+        checkpoints.save(results / "weights.pt", vae.cpu().state_dict())
+        write_json(results / "metrics.json", numbers)
+
+    decides: dict[str, Any] = {"inputs": digest_arrays(arrays), "code": code_digest(*CODE), "seed": seed}
+    decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
+    return finished("vae", repeat, make, heldout=heldout.tolist(), **decides)
+
+
+def flat(array: np.ndarray) -> np.ndarray:
+    """(episode, frame, …) to (episode × frame, …)."""
+    return array.reshape(-1, *array.shape[2:])
+
+
+if __name__ == "__main__":
+    entry(main)

@@ -1,0 +1,131 @@
+"""A stage's entry: flags from the signature, one sentence and status 1 for bad input."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from pipeline.contract.errors import BelvedereError, unknown
+from pipeline.contract.stage import entry, parser
+
+FLAGS = ["--scene", "panda_2dof", "--theta", "-45", "--out", "a folder/b"]
+
+
+def stage(
+    *, scene: str, theta: float, out: Path, keys: list[str] | None = None, depth_m: float = 0.5
+) -> None:
+    """Stands in for a stage's main."""
+
+
+def test_flags_are_the_parameters_with_their_types() -> None:
+    given = vars(parser(stage).parse_args([*FLAGS, "--depth-m", "2"]))
+    assert given == {
+        "scene": "panda_2dof",
+        "theta": -45.0,
+        "out": Path("a folder/b"),
+        "keys": None,
+        "depth_m": 2.0,
+    }
+
+
+def test_main_is_called_with_what_was_given() -> None:
+    called = {}
+
+    def main(*, scene: str, theta: float, out: list[Path]) -> None:
+        called.update(scene=scene, theta=theta, out=out)
+
+    entry(main, ["--scene", "s", "--theta", "1e1", "--out", "a", "b"])
+    assert called == {"scene": "s", "theta": 10.0, "out": [Path("a"), Path("b")]}
+
+
+@pytest.mark.parametrize(
+    ("argv", "told"),
+    [
+        (FLAGS[:4], "--out"),
+        ([*FLAGS, "--colour", "red"], "--colour"),
+        (["--scene", "s", "--theta", "steep", "--out", "o"], "'steep'"),
+    ],
+)
+def test_wrong_flags_are_refused(argv: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        entry(stage, argv)
+    assert end.value.code == 2
+    assert told in capsys.readouterr().err
+
+
+def test_bad_input_ends_with_one_sentence_and_status_1(capsys: pytest.CaptureFixture[str]) -> None:
+    def main() -> None:
+        raise unknown("viewpoint", "fron", ["front", "side"])
+
+    with pytest.raises(SystemExit) as end:
+        entry(main, [])
+    assert end.value.code == 1
+    told = capsys.readouterr().err
+    assert told == "error: viewpoint 'fron' is unknown; available: front, side.\n"
+
+
+def test_a_defect_keeps_its_traceback() -> None:
+    def main() -> None:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        entry(main, [])
+
+
+def test_an_interrupt_ends_with_the_shells_status() -> None:
+    def main() -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(SystemExit) as end:
+        entry(main, [])
+    assert end.value.code == 130
+
+
+def test_an_empty_list_of_names_is_told() -> None:
+    assert "available: none" in str(unknown("scene", "x", []))
+    assert isinstance(unknown("scene", "x", []), BelvedereError)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="not run: Linux only")
+def test_a_stage_ends_with_the_dvc_that_started_it(tmp_path: Path) -> None:
+    child = (
+        "import time, pathlib; from pipeline.contract.stage import entry\n"
+        "def main() -> None:\n"
+        "    pathlib.Path('started').touch(); time.sleep(60); pathlib.Path('survived').touch()\n"
+        "entry(main, [])"
+    )
+    parent = (
+        "import os, subprocess, sys; os.environ['DVC_STAGE'] = 'vae'\n"
+        f"process = subprocess.Popen([sys.executable, '-c', {child!r}])\n"
+        "print(process.pid, flush=True); process.wait()"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", parent], cwd=tmp_path, stdout=subprocess.PIPE, text=True,
+        env={"PYTHONPATH": str(Path(__file__).parents[2])},
+    ) as dvc:  # fmt: skip
+        assert dvc.stdout is not None
+        pid = int(dvc.stdout.readline())
+        wait_until(lambda: (tmp_path / "started").exists())
+        dvc.send_signal(signal.SIGKILL)
+    wait_until(lambda: not running(pid))
+
+
+def wait_until(holds: Callable[[], bool], within_s: float = 20.0) -> None:
+    end = time.monotonic() + within_s
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def running(pid: int) -> bool:
+    """Whether a process still runs; one that has ended and is not yet reaped does not."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False

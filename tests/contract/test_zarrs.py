@@ -1,0 +1,171 @@
+"""Stores come back as they were written, and broken ones are refused in a sentence."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.contract import zarrs
+from pipeline.contract.errors import BelvedereError
+
+REPEATS, EPISODES, FRAMES = 2, 3, 4
+
+
+def rollouts(seed: int = 0) -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    shape = (REPEATS, EPISODES, FRAMES)
+    return {
+        "qpos": rng.normal(size=(*shape, 9)).astype("f4"),
+        "tip": rng.normal(size=(*shape, 3)).astype("f4"),
+        "action": rng.uniform(-1, 1, size=(*shape, 2)).astype("f4"),
+        "reward": rng.normal(size=shape).astype("f4"),
+        "target": rng.normal(size=(REPEATS, EPISODES, 3)).astype("f4"),
+    }
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    zarrs.write(tmp_path / "a.zarr", zarrs.ROLLOUTS, rollouts(), {"scene": "panda_2dof"})
+    return tmp_path / "a.zarr"
+
+
+def opened(path: Path) -> zarrs.Store:
+    return zarrs.Store(path, zarrs.ROLLOUTS, "rollouts")
+
+
+def digests(path: Path) -> dict[str, str]:
+    return {
+        file.relative_to(path).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in path.rglob("*")
+        if file.is_file()
+    }
+
+
+def shards(path: Path, array: str) -> list[Path]:
+    return sorted(file for file in (path / array / "c").rglob("*") if file.is_file())
+
+
+def test_arrays_and_attributes_come_back(path: Path) -> None:
+    store = opened(path)
+    assert store.repeats == REPEATS
+    assert store.attributes["scene"] == "panda_2dof"
+    for name, array in rollouts().items():
+        assert store.shape(name) == array.shape
+        for repeat in range(REPEATS):
+            np.testing.assert_array_equal(store.repeat(name, repeat), array[repeat])
+
+
+def test_equal_contents_are_equal_bytes(path: Path, tmp_path: Path) -> None:
+    zarrs.write(tmp_path / "b.zarr", zarrs.ROLLOUTS, rollouts(), {"scene": "panda_2dof"})
+    zarrs.write(tmp_path / "c.zarr", zarrs.ROLLOUTS, rollouts(seed=1), {"scene": "panda_2dof"})
+    assert digests(path) == digests(tmp_path / "b.zarr")
+    assert digests(path) != digests(tmp_path / "c.zarr")
+
+
+def test_a_repeat_is_one_shard_whatever_its_neighbours(path: Path, tmp_path: Path) -> None:
+    more = {name: np.concatenate([array, array[:1]]) for name, array in rollouts().items()}
+    zarrs.write(tmp_path / "b.zarr", zarrs.ROLLOUTS, more, {"scene": "panda_2dof"})
+    former, later = shards(path, "qpos"), shards(tmp_path / "b.zarr", "qpos")
+    assert (len(former), len(later)) == (REPEATS, REPEATS + 1)
+    for a, b in zip(former, later, strict=False):
+        assert a.read_bytes() == b.read_bytes()
+
+
+def test_large_arrays_are_split_into_shards_that_read_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(zarrs, "SHARD_BYTES", 2 * FRAMES * 9 * 4)  # two episodes of qpos
+    zarrs.write(tmp_path / "b.zarr", zarrs.ROLLOUTS, rollouts(), {})
+    assert len(shards(tmp_path / "b.zarr", "qpos")) == REPEATS * 2
+    np.testing.assert_array_equal(opened(tmp_path / "b.zarr").repeat("qpos", 1), rollouts()["qpos"][1])
+
+
+def test_names_units_and_axes_stand_in_the_store(path: Path) -> None:
+    for name, column in zarrs.ROLLOUTS.items():
+        described = json.loads((path / name / "zarr.json").read_text(encoding="utf-8"))
+        assert tuple(described["dimension_names"]) == column.dims
+        assert described["attributes"]["unit"] == column.unit
+        assert described["zarr_format"] == 3
+
+
+def test_axes_that_disagree_are_refused_and_nothing_is_written(tmp_path: Path) -> None:
+    arrays = rollouts()
+    arrays["tip"] = arrays["tip"][:, :, :-1]
+    with pytest.raises(BelvedereError, match="axis frame is 3 long in array tip but 4 in qpos"):
+        zarrs.write(tmp_path / "b.zarr", zarrs.ROLLOUTS, arrays, {})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_array_that_is_left_out_is_refused(tmp_path: Path) -> None:
+    arrays = {name: array for name, array in rollouts().items() if name != "reward"}
+    with pytest.raises(BelvedereError, match="array reward is missing"):
+        zarrs.write(tmp_path / "b.zarr", zarrs.ROLLOUTS, arrays, {})
+
+
+def test_a_missing_store_names_the_stage_that_makes_it(tmp_path: Path) -> None:
+    with pytest.raises(BelvedereError, match="is missing; `dvc repro rollouts` makes it"):
+        opened(tmp_path / "none.zarr")
+
+
+def test_a_folder_that_is_no_store_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "note.txt").write_text("no store")
+    with pytest.raises(BelvedereError, match="no Zarr v3 group"):
+        opened(tmp_path)
+
+
+def test_a_store_of_another_stage_is_refused(tmp_path: Path) -> None:
+    shape = (REPEATS, EPISODES, FRAMES)
+    latents = {
+        "mean": np.zeros((*shape, 32)),
+        "log_variance": np.zeros((*shape, 32)),
+        "action": np.zeros((*shape, 2)),
+    }
+    zarrs.write(tmp_path / "a.zarr", zarrs.LATENTS, latents, {})
+    with pytest.raises(BelvedereError, match="it has no array qpos"):
+        opened(tmp_path / "a.zarr")
+
+
+def test_a_store_of_another_format_is_refused(path: Path) -> None:
+    head = path / "zarr.json"
+    head.write_text(head.read_text().replace(f'"format": {zarrs.FORMAT}', '"format": 99'))
+    with pytest.raises(BelvedereError, match="its format is 99"):
+        opened(path)
+
+
+def test_an_array_of_another_type_is_refused(path: Path, tmp_path: Path) -> None:
+    schema = dict(zarrs.ROLLOUTS) | {"reward": zarrs.Column(zarrs.ROLLOUTS["reward"].dims, "float64", "m")}
+    zarrs.write(tmp_path / "b.zarr", schema, rollouts(), {})
+    with pytest.raises(BelvedereError, match="array reward is float64, not float32"):
+        opened(tmp_path / "b.zarr")
+
+
+@pytest.mark.parametrize("kept", [0, 7, 100])
+def test_a_truncated_shard_is_refused(path: Path, kept: int) -> None:
+    shard = shards(path, "qpos")[0]
+    shard.write_bytes(shard.read_bytes()[:kept])
+    store = opened(path)
+    with pytest.raises(BelvedereError, match=r"cannot be used: array qpos .*dvc repro rollouts"):
+        store.repeat("qpos", 0)
+
+
+def test_a_missing_shard_is_refused_rather_than_read_as_zeros(path: Path) -> None:
+    shards(path, "qpos")[1].unlink()
+    with pytest.raises(BelvedereError, match="array qpos lacks some of its data"):
+        opened(path).repeat("qpos", 1)
+
+
+def test_a_missing_array_is_refused(path: Path) -> None:
+    shutil.rmtree(path / "tip")
+    with pytest.raises(BelvedereError, match="it has no array tip"):
+        opened(path)
+
+
+@pytest.mark.parametrize("repeat", [-1, REPEATS])
+def test_a_repeat_that_is_not_there_is_refused(path: Path, repeat: int) -> None:
+    with pytest.raises(BelvedereError, match=f"holds {REPEATS} repeats, and repeat {repeat}"):
+        opened(path).repeat("qpos", repeat)

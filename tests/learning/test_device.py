@@ -1,0 +1,48 @@
+"""Where networks run: chosen by the environment, bad choices refused."""
+
+from __future__ import annotations
+
+import pytest
+import torch
+
+from pipeline.contract.errors import BelvedereError
+from pipeline.learning.device import compute
+
+
+@pytest.mark.parametrize(
+    ("variable", "value"),
+    [
+        ("BELVEDERE_DEVICE", "gpu"),
+        ("BELVEDERE_DTYPE", "float16"),
+        ("BELVEDERE_CORES", "0"),
+        ("BELVEDERE_CORES", "two"),
+    ],
+)
+def test_a_bad_choice_is_named(monkeypatch: pytest.MonkeyPatch, variable: str, value: str) -> None:
+    monkeypatch.setenv(variable, value)
+    with pytest.raises(BelvedereError, match=f"{variable}.*{value}"):
+        compute()
+
+
+@pytest.mark.skipif(torch.cuda.is_available(), reason="there is a CUDA device")
+def test_cuda_is_refused_where_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("BELVEDERE_DEVICE", "cuda")
+    with pytest.raises(BelvedereError, match="use auto or cpu"):
+        compute()
+
+
+def test_the_choice_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = torch.get_num_threads()
+    for variable, value in (
+        ("BELVEDERE_DEVICE", "cpu"),
+        ("BELVEDERE_DTYPE", "bfloat16"),
+        ("BELVEDERE_CORES", "1"),
+    ):
+        monkeypatch.setenv(variable, value)
+    place = compute()
+    try:
+        assert (place.device.type, place.dtype, torch.get_num_threads()) == ("cpu", torch.bfloat16, 1)
+        with place.autocast():
+            assert (torch.ones(2, 2) @ torch.ones(2, 2)).dtype == torch.bfloat16
+    finally:
+        torch.set_num_threads(before)

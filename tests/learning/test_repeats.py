@@ -1,0 +1,56 @@
+"""The store of finished repeats: made once per key, whole or not at all."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pipeline.learning.repeats import branch_metrics, code_digest, finished
+
+
+@pytest.fixture(autouse=True)
+def _scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("BELVEDERE_SCRATCH", str(tmp_path))
+
+
+def test_a_repeat_is_made_once_per_key() -> None:
+    made = []
+
+    def make(results: Path, running: Path) -> None:
+        made.append(running)
+        (results / "weights.pt").write_text(str(len(made)))
+
+    first = finished("vae", 0, make, inputs="a")
+    assert finished("vae", 0, make, inputs="a") == first
+    others = [finished("vae", 1, make, inputs="a"), finished("vae", 0, make, inputs="b")]
+    assert [(f / "weights.pt").read_text() for f in (first, *others)] == ["1", "2", "3"]
+    assert not made[0].exists()
+
+
+def test_a_repeat_that_broke_off_finds_its_checkpoint_and_leaves_no_result() -> None:
+    def breaks(results: Path, running: Path) -> None:
+        (results / "weights.pt").write_text("half")
+        (running / "checkpoint").write_text("so far")
+        raise KeyboardInterrupt
+
+    def continues(results: Path, running: Path) -> None:
+        assert not list(results.iterdir())
+        (results / "weights.pt").write_text((running / "checkpoint").read_text())
+
+    with pytest.raises(KeyboardInterrupt):
+        finished("vae", 0, breaks, inputs="a")
+    assert (finished("vae", 0, continues, inputs="a") / "weights.pt").read_text() == "so far"
+
+
+def test_code_counts() -> None:
+    assert code_digest("learning") != code_digest("learning", "vae.py")
+    assert code_digest("learning") == code_digest("learning")
+
+
+def test_metrics_hold_the_means_over_repeats() -> None:
+    attributes = {"scene": "panda_2dof", "theta_deg": 45.0, "phi_deg": 15.0, "format": 1}
+    metrics = branch_metrics(attributes, [{"loss": 1.0}, {"loss": 4.0}])
+    assert metrics["loss_mean"] == 2.5
+    assert [r["repeat"] for r in metrics["repeats"]] == [0, 1]
+    assert "format" not in metrics

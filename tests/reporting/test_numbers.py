@@ -1,0 +1,30 @@
+"""Numbers as the page writes them."""
+
+from __future__ import annotations
+
+import pytest
+
+from pipeline.reporting import numbers
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "written"),
+    [(-1.005, 1, "−1.0"), (-0.001, 2, "0.00"), (0.0, 0, "0"), (12.345, 2, "12.35"), (None, 2, "–")],
+)
+def test_fixed(value: float | None, digits: int, written: str) -> None:
+    assert numbers.fixed(value, digits) == written
+
+
+def test_lengths_shares_and_angles_have_their_units() -> None:
+    assert numbers.centimetres(0.0234) == "2.3"
+    assert numbers.percent(0.456) == "46\u00a0%"
+    assert (numbers.degrees(30.0), numbers.degrees(-12.5)) == ("30°", "−12.5°")
+
+
+def test_half_an_interval_is_none() -> None:
+    assert numbers.interval(-1.0, 2.0) == "−1.00 to 2.00"
+    assert numbers.interval(-1.0, None) == "–"
+
+
+def test_seconds_lose_their_decimals_when_long() -> None:
+    assert (numbers.seconds(3.14), numbers.seconds(31.4), numbers.seconds(None)) == ("3.1", "31", "–")

@@ -1,0 +1,125 @@
+"""What the pipeline's source says of itself: who imports whom, and who reads which parameters."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+READERS = "pipeline.contract.params"
+
+
+@cache
+def _tree(file: str) -> ast.Module:
+    return ast.parse((ROOT / file).read_text(encoding="utf-8"))
+
+
+def _file(module: str) -> str | None:
+    """The file of a dotted module below ``pipeline``, or None where there is no such module."""
+    stem = module.replace(".", "/")
+    return next((f for f in (f"{stem}.py", f"{stem}/__init__.py") if (ROOT / f).is_file()), None)
+
+
+def _packages(module: str) -> Iterator[str]:
+    """The module's file and those of the packages that hold it: importing one runs them all."""
+    parts = module.split(".")
+    for depth in range(1, len(parts) + 1):
+        if file := _file(".".join(parts[:depth])):
+            yield file
+
+
+@cache
+def names(file: str) -> dict[str, str]:
+    """Local names that a file's imports bind to something of ``pipeline``, and its dotted name."""
+    bound = {}
+    for node in ast.walk(_tree(file)):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "pipeline":
+            bound |= {a.asname or a.name: f"{node.module}.{a.name}" for a in node.names}
+        if isinstance(node, ast.Import):
+            bound |= {a.asname or a.name: a.name for a in node.names if a.name.startswith("pipeline.")}
+    return bound
+
+
+@cache
+def modules_behind(file: str) -> frozenset[str]:
+    """``file`` and every file of ``pipeline`` that importing it imports, as paths from the root."""
+    found: set[str] = set()
+    waiting = [file]
+    while waiting:
+        at = waiting.pop()
+        if at not in found:
+            found.add(at)
+            waiting += [f for target in names(at).values() for f in _packages(target)]
+    return frozenset(found)
+
+
+def params_read_by(file: str) -> set[str]:
+    """Keys of params.yaml that a script reads, itself or in what it refers to in its imports.
+
+    Followed are names of functions, classes and modules, so a key may be found that is never read in
+    fact. A part of a key that is no literal is ``*``, and a key that begins with one is passed over; the
+    chosen budget is ``${budget}``.
+    """
+    keys: set[str] = set()
+    seen: set[tuple[str, str]] = set()
+    waiting = [(file, "")]
+    while waiting:
+        place = waiting.pop()
+        if place in seen or _dotted(place[0]) == READERS:
+            continue
+        seen.add(place)
+        for node in _nodes(*place):
+            key = _key_read(place[0], node) if isinstance(node, ast.Call) else None
+            if key and not key.startswith("*"):
+                keys.add(key)
+            waiting += _referred(place[0], node)
+    return keys
+
+
+def _dotted(file: str) -> str:
+    return file.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+
+
+def _nodes(file: str, name: str) -> Iterator[ast.AST]:
+    """All of the file, or the definition of ``name`` in it and what stands outside definitions."""
+    for statement in _tree(file).body:
+        defined = getattr(statement, "name", None)
+        if not name or defined in (None, name):
+            yield from ast.walk(statement)
+
+
+def _target(file: str, node: ast.AST) -> str | None:
+    """The dotted name of what an expression refers to, where that is of ``pipeline``."""
+    if isinstance(node, ast.Name):
+        own = {getattr(s, "name", None) for s in _tree(file).body}
+        return f"{_dotted(file)}.{node.id}" if node.id in own else names(file).get(node.id)
+    if isinstance(node, ast.Attribute) and (base := _target(file, node.value)):
+        return f"{base}.{node.attr}"
+    return None
+
+
+def _referred(file: str, node: ast.AST) -> list[tuple[str, str]]:
+    module, _, name = (_target(file, node) or "").rpartition(".")
+    found = _file(module) if module else None
+    return [(found, name)] if found else []
+
+
+def _key_read(file: str, call: ast.Call) -> str | None:
+    module, _, reader = (_target(file, call.func) or "").rpartition(".")
+    if module != READERS:
+        return None
+    words = [a.value if isinstance(a, ast.Constant) else "*" for a in call.args]
+    match reader:
+        case "value":
+            return ".".join(words)
+        case "section":
+            return ".".join(words[1:])
+        case "budget_section":
+            return f"budgets.${{budget}}.{words[1]}"
+        case "repeats":
+            return "budgets.${budget}.repeats"
+        case "seed" | "heldout_share":
+            return reader
+    return None

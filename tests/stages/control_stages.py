@@ -1,0 +1,46 @@
+"""A folder in which the stages from controller to evaluation run, on a world model that learned nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import torch
+import yaml
+
+from pipeline.contract import params
+from pipeline.learning import checkpoints
+from pipeline.worldmodel.mdnrnn import MdnRnn, save_mdnrnn
+from pipeline.worldmodel.vae import Vae
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENE, ACTIONS = "panda_2dof", 2
+VIEW = {"scene": SCENE, "theta": 45.0, "phi": 15.0}
+FRAMES = 4
+
+
+def write_params(folder: Path, repeats: int = 1, generations: int = 2, seed: int = 1) -> None:
+    """The repository's params.yaml with short episodes and few of them."""
+    tree = yaml.safe_load(
+        (Path(__file__).resolve().parents[2] / params.PARAMS_FILE).read_text(encoding="utf-8")
+    )
+    tree["scenes"][SCENE]["frames"] = FRAMES
+    search = {"population": 4, "episodes": 2, "generations": generations}
+    tree["controller"] = {"sigma": 0.2, "diagonal": True, "hidden_share": 0.2}
+    tree["anchors"] = {"sigma": 0.2, "diagonal": False, "hold_frames": 2}
+    tree["budget"], tree["seed"] = "short", seed
+    tree["budgets"]["short"] = {
+        "repeats": repeats,
+        "controller": search,
+        "anchors": {**search, "generations": 1},
+        "evaluation": {"episodes": 4},
+    }
+    (folder / "params.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8")
+
+
+def write_world_model(folder: Path, repeats: int = 1) -> dict[str, Path]:
+    """The flags ``vae`` and ``mdnrnn``, and what they name."""
+    for repeat in range(repeats):
+        torch.manual_seed(repeat)
+        checkpoints.save(folder / f"vae/repeat_{repeat}.pt", Vae().state_dict())
+        save_mdnrnn(folder / f"mdnrnn/repeat_{repeat}.pt", MdnRnn(ACTIONS, log_sigma_bound=5.0))
+    return {"vae": Path("vae"), "mdnrnn": Path("mdnrnn")}

@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import polars as pl
+import pytest
+
+from pipeline import controller
+from pipeline.contract.errors import BelvedereError
+from pipeline.control import loop
+from pipeline.control.policy import load_controller
+from tests.stages.control_stages import ACTIONS, FRAMES, VIEW, write_params, write_world_model
+
+ROOT = Path(__file__).resolve().parents[2]
+OUTS = {"out": Path("controller"), "curve": Path("curve.csv")}
+
+
+@pytest.fixture(autouse=True)
+def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("BELVEDERE_SCRATCH", str(tmp_path / "scratch"))
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    return tmp_path
+
+
+def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    models = write_world_model(workplace, repeats=2)
+    write_params(workplace, repeats=1)
+    controller.main(**VIEW, **models, **OUTS)
+    first = (workplace / "controller/repeat_0.npz").read_bytes()
+    curve = pl.read_csv(workplace / "curve.csv")
+    assert curve.columns == ["repeat", "generation", "frames", "mean", "best"]
+    assert curve["frames"].to_list() == [4 * 2 * FRAMES, 2 * 4 * 2 * FRAMES]
+    calls = []
+    judge = loop.Loop.judge
+    monkeypatch.setattr(loop.Loop, "judge", lambda *arguments: calls.append(1) or judge(*arguments))
+    write_params(workplace, repeats=2)
+    controller.main(**VIEW, **models, **OUTS)
+    assert len(calls) == 2
+    assert (workplace / "controller/repeat_0.npz").read_bytes() == first
+    second = load_controller(workplace / "controller/repeat_1.npz", ACTIONS)
+    assert (second != load_controller(workplace / "controller/repeat_0.npz", ACTIONS)).all()
+    assert pl.read_csv(workplace / "curve.csv")["repeat"].to_list() == [0, 0, 1, 1]
+
+
+def test_a_missing_world_model_leaves_nothing_behind(workplace: Path) -> None:
+    write_params(workplace)
+    with pytest.raises(BelvedereError, match="dvc repro vae"):
+        controller.main(**VIEW, vae=Path("vae"), mdnrnn=Path("mdnrnn"), **OUTS)
+    assert not (workplace / "controller").exists()
+    assert not (workplace / "curve.csv").exists()
+
+
+@pytest.mark.slow
+def test_killed_it_continues_to_the_same_bytes(workplace: Path) -> None:
+    models = write_world_model(workplace)
+    write_params(workplace, generations=12)
+    flags = [f"--{name}={value}" for name, value in {**VIEW, **models, **OUTS}.items()]
+    command = [sys.executable, "-m", "pipeline.controller", *flags]
+
+    def start(scratch: str) -> subprocess.Popen[bytes]:
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), "BELVEDERE_SCRATCH": scratch}
+        return subprocess.Popen(command, cwd=workplace, env=environment)
+
+    assert start("undisturbed").wait(timeout=300) == 0
+    expected = [(workplace / name).read_bytes() for name in ("controller/repeat_0.npz", "curve.csv")]
+    process = start("disturbed")
+    while not list((workplace / "disturbed").rglob("search.pickle")):
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert not list((workplace / "disturbed").rglob("controller.npz"))
+    assert start("disturbed").wait(timeout=300) == 0
+    found = [(workplace / name).read_bytes() for name in ("controller/repeat_0.npz", "curve.csv")]
+    assert found == expected

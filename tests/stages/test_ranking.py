@@ -1,0 +1,198 @@
+"""The ranking stage on written results: what it reads, writes and refuses."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+import pytest
+import yaml
+
+from pipeline import ranking
+from pipeline.contract.errors import BelvedereError
+
+MADE_WITH = {
+    "device": "cpu", "dtype": "bfloat16", "threads": 2, "python": "3.11.7", "torch": "2.13.0",
+    "mujoco": "3.17.0", "mujoco_warp": "3.17.0", "machine": "x86_64",
+}  # fmt: skip
+VIEWS = {"reach-a": (0, 0), "reach-b": (90, 0), "study": (45, 15)}
+RETURNS = {"reach-a": (-2.0, -2.1, -1.8), "reach-b": (-4.0, -4.2, -3.9), "study": (-5.1, -5.0, -4.9)}
+
+
+class Written:
+    """A working directory with params.yaml and a scene's results, open to damage."""
+
+    def __init__(self) -> None:
+        self.params: dict[str, Any] = {"ranking": {"confidence": 0.95}, "viewpoints": {}}
+        for key, returns in RETURNS.items():
+            self.branch(key, returns, *VIEWS[key])
+        self.params["viewpoints"]["other-a"] = {"scene": "other", "theta": 0, "phi": 0}
+        self.write_params()
+        rows = [{"repeat": r, "no_op": -9.0, "blind": -6.0 - r, "expert": -1.0} for r in range(3)]
+        self.write("anchors.json", {"scene": "reach", "repeats": rows, "made_with": MADE_WITH})
+
+    def branch(self, key: str, returns: tuple[float, ...], theta: float, phi: float) -> None:
+        place = {"scene": "reach", "theta": theta, "phi": phi}
+        self.params.update(viewpoint=place) if key == "study" else self.params["viewpoints"].update(
+            {key: place}
+        )
+        repeats = [{"repeat": r, "return": value} for r, value in enumerate(returns)]
+        content = {"scene": "reach", "theta_deg": float(theta), "phi_deg": float(phi), "repeats": repeats}
+        self.write(f"branches/{key}/evaluation.json", {**content, "made_with": MADE_WITH})
+
+    def write_params(self) -> None:
+        Path("params.yaml").write_text(yaml.safe_dump(self.params, sort_keys=False))
+
+    def write(self, name: str, content: object) -> None:
+        Path(name).parent.mkdir(parents=True, exist_ok=True)
+        Path(name).write_text(json.dumps(content))
+
+    def edit(self, name: str, change: Callable[[dict[str, Any]], object]) -> None:
+        content = json.loads(Path(name).read_text())
+        change(content)
+        self.write(name, content)
+
+    def rank(self) -> dict[str, Any]:
+        ranking.main(
+            scene="reach", branches=Path("branches"), anchors=Path("anchors.json"),
+            out=Path("out/reach.json"), table=Path("out/reach.csv"),
+        )  # fmt: skip
+        return json.loads(Path("out/reach.json").read_text())
+
+
+@pytest.fixture
+def written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Written:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv(ranking.MIX_VARIABLE, raising=False)
+    return Written()
+
+
+def test_json_and_csv_say_the_same(written: Written, capsys: pytest.CaptureFixture[str]) -> None:
+    content = written.rank()
+    assert capsys.readouterr().out == f"reach: {content['verdict']['sentence']}\n"
+    assert content["verdict"]["kind"] == "best"
+    assert content["anchors"] == pytest.approx({"no_op": -9.0, "blind": -7.0, "expert": -1.0})
+    rows = pl.read_csv("out/reach.csv").to_dicts()
+    assert [row["branch"] for row in rows] == list(content["viewpoints"]) == list(RETURNS)
+    for row in rows:
+        shown = content["viewpoints"][row.pop("branch")]
+        assert row.pop("scene") == "reach"
+        assert row.pop("duplicates") in ("", None) and shown.pop("duplicates") == []
+        assert row == shown
+
+
+def test_the_same_results_give_the_same_bytes(written: Written) -> None:
+    written.rank()
+    before = [Path(f"out/reach.{kind}").read_bytes() for kind in ("json", "csv")]
+    written.rank()
+    assert before == [Path(f"out/reach.{kind}").read_bytes() for kind in ("json", "csv")]
+
+
+def test_a_viewpoint_named_twice_is_ranked_once(written: Written) -> None:
+    before = written.rank()
+    written.branch("study", RETURNS["reach-b"], 90.0, -0.0)
+    written.branch("reach-z", RETURNS["study"], 45, 15)
+    written.write_params()
+    content = written.rank()
+    assert set(content["viewpoints"]) == {"reach-a", "reach-b", "reach-z"}
+    assert content["viewpoints"]["reach-b"]["duplicates"] == ["study"]
+    assert content["viewpoints"]["reach-z"].pop("score_low") == before["viewpoints"]["study"]["score_low"]
+    assert pl.read_csv("out/reach.csv")["duplicates"].to_list() == ["", "study", ""]
+
+
+def test_a_removed_viewpoint_disappears_though_its_file_stays(written: Written) -> None:
+    del written.params["viewpoints"]["reach-b"]
+    written.write_params()
+    assert set(written.rank()["viewpoints"]) == {"reach-a", "study"}
+
+
+def test_the_confidence_level_is_a_parameter(written: Written) -> None:
+    def width() -> float:
+        best = written.rank()["viewpoints"]["reach-a"]
+        return best["return_high"] - best["return_low"]
+
+    wide = width()
+    written.params["ranking"]["confidence"] = 0.5
+    written.write_params()
+    assert width() < wide
+
+
+def test_one_repeat_gives_null_and_no_best(written: Written) -> None:
+    for name in ("anchors.json", *(f"branches/{key}/evaluation.json" for key in VIEWS)):
+        written.edit(name, lambda content: content.update(repeats=content["repeats"][:1]))
+    content = written.rank()
+    assert content["verdict"]["kind"] == "not separated"
+    assert content["verdict"]["sentence"].endswith("one repeat tells no error.")
+    assert content["spread"]["pooled_sd"] is content["viewpoints"]["study"]["difference_low"] is None
+
+
+@pytest.mark.parametrize("name", ["device", "dtype", "torch", "mujoco", "mujoco_warp"])
+def test_branches_made_differently_are_refused_unless_allowed(
+    written: Written, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    written.edit("branches/study/evaluation.json", lambda content: content["made_with"].update({name: "new"}))
+    with pytest.raises(BelvedereError, match=rf"made differently: {name} is 'new' for study.*BELVEDERE_MIX"):
+        written.rank()
+    assert not Path("out").exists()
+    monkeypatch.setenv(ranking.MIX_VARIABLE, "allow")
+    assert written.rank()["made_with"][name] == f"{MADE_WITH[name]} | new"
+    monkeypatch.setenv(ranking.MIX_VARIABLE, "yes")
+    with pytest.raises(BelvedereError, match="'yes' is unknown; available: allow"):
+        written.rank()
+
+
+def test_threads_and_machine_may_differ(written: Written) -> None:
+    elsewhere = {"threads": 64, "machine": "aarch64", "python": "3.12.1"}
+    written.edit("branches/study/evaluation.json", lambda content: content["made_with"].update(elsewhere))
+    assert written.rank()["verdict"]["kind"] == "best"
+
+
+def test_anchors_of_another_physics_are_refused(written: Written) -> None:
+    written.edit("anchors.json", lambda content: content["made_with"].update(device="gpu", mujoco="4.0.0"))
+    with pytest.raises(BelvedereError, match=r"mujoco is '4\.0\.0' for anchors"):
+        written.rank()
+
+
+STUDY = "branches/study/evaluation.json"
+BAD: dict[str, tuple[str, Callable[[dict[str, Any]], object], str]] = {
+    "fewer repeats": (STUDY, lambda c: c["repeats"].pop(), r"study has repeats \[0, 1\] but reach-a has"),
+    "other repeats": (STUDY, lambda c: c["repeats"][0].update(repeat=7), r"study has repeats \[1, 2, 7\]"),
+    "fewer anchors": ("anchors.json", lambda c: c["repeats"].pop(), r"anchors has repeats \[0, 1\]"),
+    "a repeat twice": (STUDY, lambda c: c["repeats"][0].update(repeat=1), "not distinct"),
+    "no repeats": (STUDY, lambda c: c.update(repeats=[]), "repeats are none"),
+    "no return": (STUDY, lambda c: c["repeats"][1].pop("return"), "lack a number"),
+    "NaN": (STUDY, lambda c: c["repeats"][1].update({"return": float("nan")}), "not finite"),
+    "another view": (STUDY, lambda c: c.update(phi_deg=30.0), r"evaluation\.json cannot be used.*30\.0"),
+    "no provenance": (STUDY, lambda c: c.pop("made_with"), "made with"),
+    "another scene": ("anchors.json", lambda c: c.update(scene="other"), "of scene 'other', not 'reach'"),
+    "expert blind": ("anchors.json", lambda c: c["repeats"][2].update(expert=-8.0), "in repeat 2 the expert"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_results_are_refused_in_a_sentence(written: Written, case: str) -> None:
+    name, change, message = BAD[case]
+    written.edit(name, change)
+    with pytest.raises(BelvedereError, match=message):
+        written.rank()
+    assert not Path("out").exists()
+
+
+def test_missing_results_name_the_stage_that_makes_them(written: Written) -> None:
+    Path(STUDY).unlink()
+    with pytest.raises(BelvedereError, match=r"evaluation\.json is missing; `dvc repro evaluation@study`"):
+        written.rank()
+    Path("anchors.json").unlink()
+    written.branch("study", RETURNS["study"], *VIEWS["study"])
+    with pytest.raises(BelvedereError, match="`dvc repro anchors@reach`"):
+        written.rank()
+
+
+def test_a_scene_without_viewpoints_is_refused(written: Written) -> None:
+    written.params.update(viewpoints=None, viewpoint={"scene": "other", "theta": 0, "phi": 0})
+    written.write_params()
+    with pytest.raises(BelvedereError, match="'reach' is unknown; available: other"):
+        written.rank()

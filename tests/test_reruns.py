@@ -1,0 +1,100 @@
+"""What DVC runs again after a change, with stages that only hash what they read and are done at once."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.support import ROOT, Clone, clone_repository
+
+pytestmark = pytest.mark.slow
+
+PARAMS = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
+STAGES = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
+RANKINGS = {f"ranking@{scene}" for scene in PARAMS["scenes"]}
+BRANCH_STAGES = ("frames", "vae", "latents", "mdnrnn", "controller", "evaluation")
+
+# Inputs are the flags whose paths exist; all other paths are written.
+STAND_IN = """
+import hashlib, json, pathlib, sys
+words = sys.argv[1:]
+paths = {flag: pathlib.Path(value) for flag, value in zip(words[::2], words[1::2]) if "/" in value}
+digest = hashlib.md5(" ".join(words).encode())
+inputs = {flag for flag in paths if paths[flag].exists() and flag not in ("--out", "--metrics", "--picture")}
+for flag in sorted(inputs):
+    files = [paths[flag]] if paths[flag].is_file() else sorted(paths[flag].rglob("*"))
+    for file in files:
+        digest.update(file.read_bytes() if file.is_file() else b"")
+for path in (paths[flag] for flag in paths if flag not in inputs):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.suffix in ("", ".zarr"):
+        path.mkdir()
+        path = path / "content"
+    number = int(digest.hexdigest()[:8], 16)
+    ranking = {"digest": number, "scene": path.stem, "verdict": {"sentence": str(number)}}
+    path.write_text(json.dumps(ranking) if path.suffix == ".json" else f"a,b\\n{number},{path}\\n")
+"""
+
+
+def branch(key: str) -> set[str]:
+    return {f"{stage}@{key}" for stage in BRANCH_STAGES}
+
+
+def ran(log: str) -> set[str]:
+    return set(re.findall(r"Running stage '([^']+)'", log))
+
+
+def exp_run(clone: Clone, *arguments: str) -> set[str]:
+    """The stages that `./run dvc exp run` ran, not those that DVC took from its cache."""
+    return ran(clone.run("./run", "dvc", "exp", "run", *arguments, timeout_s=1800).stdout)
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory: pytest.TempPathFactory) -> Clone:
+    """A clone in which the whole pipeline ran and its results are committed."""
+    clone = clone_repository(tmp_path_factory.mktemp("done") / "a clone of it")
+    for stage in STAGES:
+        (clone.root / "pipeline" / f"{stage}.py").write_text(STAND_IN, encoding="utf-8")
+    clone.lend_environment()
+    clone.commit("stages that are done at once")
+    told = clone.run("./run", timeout_s=1800).stdout
+    assert all(f"{scene}: " in told for scene in PARAMS["scenes"])
+    assert told.splitlines()[-1] == f"Report: {clone.root / 'reports' / 'index.html'}"
+    clone.commit("its results")
+    return clone
+
+
+def test_nothing_changed_nothing_runs(done: Clone) -> None:
+    assert ran(done.run("./run").stdout) == set()
+
+
+def test_study_runs_first(done: Clone) -> None:
+    order = re.findall(r"Running stage '([^']+)'", done.run("dvc", "repro", "--dry", "--force").stdout)
+    scene = PARAMS["viewpoint"]["scene"]
+    assert order[:2] == [f"rollouts@{scene}", "frames@study"]
+
+
+def test_another_study_touches_its_branch_and_comes_back_from_the_cache(done: Clone) -> None:
+    there = exp_run(done, "-S", "viewpoint.phi=31")
+    assert branch("study") | {"report"} <= there <= branch("study") | RANKINGS | {"report"}
+    former = PARAMS["viewpoint"]["phi"]
+    assert exp_run(done, "-S", f"viewpoint.phi={former}") == set()
+    assert done.run("git", "status", "--porcelain", "dvc.lock", "reports").stdout == ""
+
+
+def test_another_candidate_touches_its_branch_only(done: Clone) -> None:
+    there = exp_run(done, "-S", "viewpoints.fetch_reach-c.phi=21")
+    assert branch("fetch_reach-c") <= there <= branch("fetch_reach-c") | RANKINGS | {"report"}
+    done.run("git", "checkout", "--quiet", ".")
+    done.run("dvc", "checkout", "--quiet")
+
+
+def test_a_fresh_clone_computes_one_branch(done: Clone, tmp_path: Path) -> None:
+    done.run("git", "clone", "--quiet", done.root, tmp_path / "fresh clone")
+    fresh = Clone(tmp_path / "fresh clone")
+    fresh.lend_environment()
+    there = exp_run(fresh, "--allow-missing", "-S", "viewpoint.phi=31")
+    assert branch("study") <= there <= branch("study") | RANKINGS | {"report"}

@@ -1,0 +1,20 @@
+"""Folding pictures: torch's own order, and back."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+
+from pipeline.worldmodel.pictures import floats, fold, unfold
+
+BYTES = np.random.default_rng(1).integers(0, 256, (3, 64, 64, 3), dtype=np.uint8)
+
+
+def test_folding_is_torchs_pixel_unshuffle() -> None:
+    wished = F.pixel_unshuffle(torch.from_numpy(BYTES).permute(0, 3, 1, 2).float() / 255, 2)
+    torch.testing.assert_close(floats(fold(BYTES)), wished)
+
+
+def test_unfolding_gives_the_bytes_back() -> None:
+    assert np.array_equal(unfold(floats(fold(BYTES))), BYTES)
