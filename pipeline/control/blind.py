@@ -62,11 +62,11 @@ class BlindSearch:
         return result
 
     def _frames_across(self, axis: int) -> int:
-        """Frames for half the workspace at the speed that is reached, at most half the episode."""
+        """Frames in which the tip surely comes to a limit, at most half the episode."""
         index = self._scene.axes[axis]
         space = self._scene.params.workspace
-        half_m = (space.high_m[index] - space.low_m[index]) / 2
-        return min(self._scene.frames // 2, round(half_m / self._speed_m()))
+        width_m = space.high_m[index] - space.low_m[index]
+        return min(self._scene.frames // 2, round(width_m / self._speed_m()))
 
     def _speed_m(self) -> float:
         """Metres a frame at full action: about half the largest displacement, as the tip lags."""

@@ -8,8 +8,7 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from pipeline.learning.device import Compute
-from pipeline.worldmodel import pictures
-from pipeline.worldmodel.vae import Vae, folded_convolution, last_convolution, last_matrix
+from pipeline.worldmodel.vae import Vae, last_convolution, last_matrix
 
 BATCH = 256
 
@@ -26,7 +25,7 @@ class Encoder:
 
     def __init__(self, vae: Vae, compute: Compute) -> None:
         self._compute = compute
-        first = folded_convolution(vae.conv1.weight.detach()) / 255
+        first = vae.conv1.weight.detach() / 255
         self._kernels = [self._laid_out(w) for w in (first, vae.conv2.weight, vae.conv3.weight)]
         layers = ("conv1", "conv2", "conv3", "conv4")
         *self._biases, self._last_bias = (self._cast(vae.get_parameter(f"{name}.bias")) for name in layers)
@@ -47,10 +46,9 @@ class Encoder:
         return mean, log_variance
 
     def _encode(self, part: Tensor) -> Tensor:
-        folded = pictures.fold(part.to(self._compute.device)).permute(0, 3, 1, 2)
-        hidden = folded.to(self._compute.dtype)
-        for index, (kernel, bias) in enumerate(zip(self._kernels, self._biases, strict=True)):
-            hidden = F.relu_(F.conv2d(hidden, kernel, bias, stride=1 if index == 0 else 2))
+        hidden = part.to(self._compute.device).permute(0, 3, 1, 2).to(self._compute.dtype)
+        for kernel, bias in zip(self._kernels, self._biases, strict=True):
+            hidden = F.relu_(F.conv2d(hidden, kernel, bias, stride=2))
         hidden = F.relu(last_convolution(hidden, self._last, self._last_bias))
         return F.linear(hidden.flatten(1), self._head, self._head_bias)
 

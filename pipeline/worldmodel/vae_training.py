@@ -112,8 +112,7 @@ def initialised(generator: torch.Generator) -> Vae:
     """A VAE whose first weights come from ``generator`` alone.
 
     Each layer keeps its input's variance (He et al. 2015): of a transposed convolution only the taps that
-    meet in one place count. With Glorot's rule, which counts all, pictures hardly depend on z at first,
-    and the same loss took one and a half times as many pictures.
+    meet in one place count. With Glorot's rule, which counts all, pictures hardly depend on z at first.
     """
     vae = Vae()
     with torch.no_grad():

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
-from PIL import Image, ImageSequence
+from PIL import Image
 
 from pipeline import anchors, evaluation
 from pipeline.contract.errors import BelvedereError
 from pipeline.control.policy import parameters, save_controller
-from tests.stages.control_stages import ACTIONS, FRAMES, SCENE, VIEW, write_params, write_world_model
+from tests.stages.control_stages import ACTIONS, SCENE, VIEW, write_params, write_world_model
 
 OUTS = {"out": Path("rows.parquet"), "metrics": Path("metrics.json"), "clip": Path("clip.webp")}
 EPISODES, REPEATS = 4, 2
@@ -41,7 +41,6 @@ def test_evaluation_and_anchors_judge_by_the_same_episodes(workplace: Path) -> N
     assert {"device", "dtype", "threads", "torch", "mujoco", "mujoco_warp"} <= set(metrics["made_with"])
     with Image.open(workplace / "clip.webp") as clip:
         assert clip.width == 2 * clip.height
-        assert sum(frame.info["duration"] for frame in ImageSequence.Iterator(clip)) == (FRAMES + 1) * 40
 
     anchors.main(scene=SCENE, out=Path("anchors.parquet"), metrics=Path("anchors.json"))
     table = pl.read_parquet(workplace / "anchors.parquet")
