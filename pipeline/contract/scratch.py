@@ -11,7 +11,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -73,10 +72,3 @@ def folder(stage: str, repeat: int, **decides: Any) -> Path:
             f"set {ENVIRONMENT_VARIABLE} to a folder that is."
         ) from None
     return path
-
-
-def keep(source: Path, destination: Path) -> None:
-    """Copies ``source`` to ``destination`` so that it appears there whole or not at all."""
-    aside = destination.with_name(f".{destination.name}.{os.getpid()}.part")
-    shutil.copyfile(source, aside)
-    os.replace(aside, destination)

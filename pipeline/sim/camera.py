@@ -12,8 +12,6 @@ from pipeline.contract.errors import BelvedereError
 from pipeline.contract.params import Section
 from pipeline.sim.params import Camera
 
-NAME = "viewpoint"
-
 
 class Viewpoint(Section):
     """A fixed camera viewpoint.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,12 +36,6 @@ class Episodes:
     def tiled(self, times: int) -> Episodes:
         """All episodes, ``times`` times over: 0 1 2 0 1 2 …"""
         return Episodes(np.tile(self.start_m, (times, 1)), np.tile(self.target_m, (times, 1)))
-
-    @staticmethod
-    def joined(parts: Sequence[Episodes]) -> Episodes:
-        return Episodes(
-            np.concatenate([p.start_m for p in parts]), np.concatenate([p.target_m for p in parts])
-        )
 
 
 def draw_episodes(scene: Scene, count: int, rng: np.random.Generator) -> Episodes:

@@ -20,7 +20,7 @@ from pipeline.contract.errors import BelvedereError, unknown
 TIP = "tip"
 HIDDEN_GROUP = 4  # geoms of this group are in no picture
 _FINGER_RGBA = (0.25, 0.25, 0.27, 1.0)  # the real Panda's hand and fingers are darker than its arm
-# The kitchen's Panda is damped to 15 mm a frame; half of it gives about Fetch's 33 mm.
+# The kitchen's Panda makes 15 mm a frame at full push; half damped about 25, nearer to Fetch's 33.
 _PANDA_DAMPING_SHARE = 0.5
 
 

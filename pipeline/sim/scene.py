@@ -11,7 +11,7 @@ import mujoco
 from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.sim.params import AXES, SceneParams
-from pipeline.sim.robots import HIDDEN_GROUP, TIP, Robot, robot, settle_fetch
+from pipeline.sim.robots import TIP, Robot, robot, settle_fetch
 
 TARGET = "target"
 CAMERA = "viewpoint"
@@ -167,6 +167,3 @@ def initial_data(scene: Scene) -> mujoco.MjData:
     mujoco.mj_forward(scene.model, data)
     data.time = 0.0
     return data
-
-
-__all__ = ["CAMERA", "HIDDEN_GROUP", "TARGET", "Scene", "compile_scene", "initial_data", "load_scene"]

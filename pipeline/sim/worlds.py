@@ -81,11 +81,6 @@ class Worlds:
         return self._target.copy()
 
     @property
-    def start(self) -> np.ndarray:
-        """Tip positions at the episodes' start, shape (count, 3), m."""
-        return self._start.copy()
-
-    @property
     def qpos(self) -> np.ndarray:
         """Generalised positions, shape (count, nq), what a picture needs beside the target."""
         return self._qpos.astype(np.float32)

@@ -75,11 +75,3 @@ def test_the_digest_of_arrays_tells_names_types_shapes_and_values() -> None:
     assert len(set(digests)) == len(digests)
     columns = np.asfortranarray(array.reshape(2, 3))
     assert scratch.digest_arrays({"a": columns}) == digests[2]
-
-
-def test_what_is_kept_is_a_whole_copy(tmp_path: Path) -> None:
-    (tmp_path / "a").write_text("new")
-    (tmp_path / "b").write_text("former")
-    scratch.keep(tmp_path / "a", tmp_path / "b")
-    assert (tmp_path / "b").read_text() == "new"
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["a", "b"]
