@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import polars as pl
 
-from pipeline.contract import params, scratch, seeds
+from pipeline.contract import params, scratch, seeds, zarrs
 from pipeline.contract.artefacts import writing
 from pipeline.contract.machine import cores
 from pipeline.contract.seeds import Stream
 from pipeline.contract.stage import entry
 from pipeline.control.evolution import evolve, start
+from pipeline.control.first import Experience, from_rewards
 from pipeline.control.loop import Loop
 from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.control.policy import hidden_weights, parameters, save_controller
@@ -29,11 +30,25 @@ from pipeline.worldmodel.vae import load_vae
 CODE = ("contract", "control", "learning", "sim", "worldmodel", "controller.py")
 
 
-def main(*, scene: str, theta: float, phi: float, vae: Path, mdnrnn: Path, out: Path, curve: Path) -> None:
+READ = ("mean", "action", "reward")
+
+
+def main(
+    *,
+    scene: str,
+    theta: float,
+    phi: float,
+    latents: Path,
+    vae: Path,
+    mdnrnn: Path,
+    out: Path,
+    curve: Path,
+) -> None:
     """Writes ``out/repeat_{r}.npz`` and the curves of all repeats."""
     compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
+    store = zarrs.Store(latents, zarrs.LATENTS, "latents")
     models = [(vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt") for r in range(params.repeats())]
-    results = [evolve_repeat(compiled, view, place, r, *pair) for r, pair in enumerate(models)]
+    results = [evolve_repeat(compiled, view, place, r, store, *pair) for r, pair in enumerate(models)]
     with writing(out) as folder:
         folder.mkdir()
         for repeat, result in enumerate(results):
@@ -43,7 +58,13 @@ def main(*, scene: str, theta: float, phi: float, vae: Path, mdnrnn: Path, out: 
 
 
 def evolve_repeat(
-    scene: Scene, view: Viewpoint, place: Compute, repeat: int, vae: Path, mdnrnn: Path
+    scene: Scene,
+    view: Viewpoint,
+    place: Compute,
+    repeat: int,
+    latents: zarrs.Store,
+    vae: Path,
+    mdnrnn: Path,
 ) -> Path:
     """The scratch folder of a repeat's finished ``controller.npz`` and ``curve.parquet``."""
     method, sizes = (
@@ -51,6 +72,7 @@ def evolve_repeat(
         params.budget_section(SearchSizes, "controller"),
     )
     encoder, rnn, seed = Encoder(load_vae(vae), place), load_mdnrnn(mdnrnn), params.seed()
+    arrays = {name: latents.repeat(name, repeat) for name in READ}
 
     def make(results: Path, running: Path) -> None:
         loop = Loop(scene, view, encoder, rnn, cores())
@@ -60,9 +82,11 @@ def evolve_repeat(
 
         candidates = seeds.generator(seed, repeat, Stream.EVOLUTION)
         draws = seeds.generator(seed, repeat, Stream.TRAINING_EPISODES)
-        zeros = np.zeros(parameters(scene.action_size))
+        first = np.zeros(parameters(scene.action_size))
+        if method.first == "rewards":
+            first = from_rewards(rnn, Experience.of(**arrays), method.ridge)
         shares = np.where(hidden_weights(scene.action_size), method.hidden_share, 1.0)
-        search = start(zeros, sizes.population, method, candidates, draws, shares)
+        search = start(first, sizes.population, method, candidates, draws, shares)
         search = evolve(search, judge, sizes.generations, running, f"controller, repeat {repeat}")
         save_controller(results / "controller.npz", search.incumbent)
         rows = pl.DataFrame(search.curve, schema=["generation", "mean", "best"], orient="row")
@@ -71,6 +95,7 @@ def evolve_repeat(
         rows.select(*columns).write_parquet(results / "curve.parquet")
 
     decides: dict[str, Any] = {"inputs": scratch.digest_files([vae, mdnrnn]), "code": code_digest(*CODE)}
+    decides |= {"latents": scratch.digest_arrays(arrays)}
     decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
     decides |= {"seed": seed, "scene": scene.params.model_dump(), "view": view.model_dump()}
     return finished("controller", repeat, make, **decides)

@@ -48,7 +48,7 @@ def render(
     rgb, pixels = gallery.render(flat, np.repeat(target, frames, axis=0), progress.advance)
     rgb, pixels = (a.reshape(*qpos.shape[:2], *a.shape[1:]) for a in (rgb, pixels))
     free = target_pixels_unhidden(scene, view, qpos[:, 0], target)
-    same = {name: store.repeat(name, repeat) for name in ("tip", "action", "target")}
+    same = {name: store.repeat(name, repeat) for name in ("tip", "action", "reward", "target")}
     return {"rgb": rgb, "target_pixels": pixels, "target_pixels_free": free, **same}
 
 

@@ -31,7 +31,7 @@ def encode(store: zarrs.Store, repeat: int, weights: Path, place: Compute) -> di
     return {
         "mean": mean.numpy().reshape(shape),
         "log_variance": log_variance.numpy().reshape(shape),
-        "action": store.repeat("action", repeat),
+        **{name: store.repeat(name, repeat) for name in ("action", "reward")},
     }
 
 

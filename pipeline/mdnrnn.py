@@ -20,6 +20,7 @@ from pipeline.worldmodel.mdnrnn_training import Sequences, fit, sequences
 from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes
 
 CODE = ("contract", "learning", "worldmodel", "mdnrnn.py")
+READ = ("mean", "log_variance", "action")  # not the reward: the network does not see it
 
 
 def main(*, latents: Path, out: Path, metrics: Path) -> None:
@@ -32,13 +33,13 @@ def main(*, latents: Path, out: Path, metrics: Path) -> None:
 
 def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
     """The scratch folder of a repeat's finished ``weights.pt`` and ``metrics.json``."""
-    arrays = {name: store.repeat(name, repeat) for name in zarrs.LATENTS}
+    arrays = {name: store.repeat(name, repeat) for name in READ}
     method, sizes = params.section(MdnRnnParams, "mdnrnn"), params.budget_section(MdnRnnSizes, "mdnrnn")
     training, heldout = split_episodes(len(arrays["mean"]), params.heldout_share())
     seed = params.seed()
 
     def chosen(episodes: np.ndarray) -> Sequences:
-        columns = {name: arrays[name][episodes] for name in zarrs.LATENTS}
+        columns = {name: arrays[name][episodes] for name in READ}
         return sequences(columns, place.device)
 
     def make(results: Path, running: Path) -> None:

@@ -53,6 +53,7 @@ FRAMES: Schema = {
     "rgb": Column((*_FRAME, "row", "column", "channel"), "uint8", "sRGB, 0 to 255"),
     "tip": ROLLOUTS["tip"],
     "action": ROLLOUTS["action"],
+    "reward": ROLLOUTS["reward"],
     "target": ROLLOUTS["target"],
     "target_pixels": Column(_FRAME, "int32", "pixels in which the target is seen"),
     "target_pixels_free": Column(_EPISODE, "int32", "the same, were nothing in front of it"),
@@ -61,6 +62,7 @@ LATENTS: Schema = {
     "mean": Column((*_FRAME, "latent"), "float32", "posterior mean of z"),
     "log_variance": Column((*_FRAME, "latent"), "float32", "posterior log variance of z"),
     "action": ROLLOUTS["action"],
+    "reward": ROLLOUTS["reward"],
 }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -24,12 +24,17 @@ class SearchParams(Section):
 
 
 class ControllerParams(SearchParams):
-    """Section ``controller``: ``hidden_share`` is the first standard deviation of h's weights in ``sigma``s.
+    """Section ``controller``: where CMA-ES starts, and how widely.
 
-    There are eight times as many of them as of z's, and most of h follows few directions: drawn as
-    widely as z's, they would drown what z says.
+    Attributes:
+        first: ``rewards`` is the controller of :mod:`pipeline.control.first`; ``zero`` does nothing.
+        ridge: of the least squares behind ``rewards``.
+        hidden_share: first standard deviation of h's weights, in ``sigma``s. From zero a small one
+            pays: h has eight times as many weights as z, and drawn as widely they drown what z says.
     """
 
+    first: Literal["rewards", "zero"]
+    ridge: Positive
     hidden_share: Positive
 
 

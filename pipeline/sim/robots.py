@@ -32,12 +32,16 @@ class Robot:
         build: returns the robot's spec.
         drive: ``joints`` (inverse kinematics to position actuators) or ``mocap`` (a weld pulls the tip).
         home: joint positions (rad) at which inverse kinematics starts, by joint name.
+        prefix: what the names of all its bodies begin with.
+        touching: the bodies (without the prefix) that can touch something: those that come near it.
         mocap: name of the mocap body, for ``drive == "mocap"``.
     """
 
     build: Callable[[], mujoco.MjSpec]
     drive: str
     home: dict[str, float]
+    prefix: str
+    touching: tuple[str, ...]
     mocap: str = ""
 
 
@@ -95,6 +99,20 @@ def _fetch() -> mujoco.MjSpec:
     return spec
 
 
+def limit_contacts(spec: mujoco.MjSpec, arm: Robot) -> None:
+    """Leaves, in a whole scene, only contacts of the robot's ``touching`` bodies with what is not the robot.
+
+    A robot that keeps its tip in a workspace does not touch itself; looking whether it does is a
+    quarter of the physics.
+    """
+    for geom in spec.geoms:
+        if not geom.contype and not geom.conaffinity:
+            continue
+        name = geom.parent.name
+        geom.contype = int(name.removeprefix(arm.prefix) in arm.touching)
+        geom.conaffinity = int(not name.startswith(arm.prefix))
+
+
 def settle_fetch(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Brings Fetch from its MJCF pose to where FetchReach episodes start (gymnasium-robotics).
 
@@ -125,6 +143,23 @@ ROBOTS = {
             "robot:panda0_joint6": 0.45,
             "robot:panda0_joint7": 0.0,
         },
+        prefix="panda0_",
+        touching=("link5", "link6", "link7", "leftfinger", "rightfinger"),
     ),
-    "fetch": Robot(build=_fetch, drive="mocap", home={}, mocap="robot0:mocap"),
+    "fetch": Robot(
+        build=_fetch,
+        drive="mocap",
+        home={},
+        prefix="robot0:",
+        touching=(
+            "elbow_flex_link",
+            "forearm_roll_link",
+            "wrist_flex_link",
+            "wrist_roll_link",
+            "gripper_link",
+            "r_gripper_finger_link",
+            "l_gripper_finger_link",
+        ),
+        mocap="robot0:mocap",
+    ),
 }

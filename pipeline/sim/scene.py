@@ -11,7 +11,7 @@ import mujoco
 from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.sim.params import AXES, SceneParams
-from pipeline.sim.robots import TIP, Robot, robot, settle_fetch
+from pipeline.sim.robots import TIP, Robot, limit_contacts, robot, settle_fetch
 
 TARGET = "target"
 CAMERA = "viewpoint"
@@ -94,6 +94,7 @@ def compile_scene(name: str, scene: SceneParams) -> Scene:
             contype=1,
             conaffinity=1,
         )
+    limit_contacts(spec, arm)
     _add_target(spec, scene)
     spec.worldbody.add_camera(name=CAMERA, fovy=scene.camera.fov_deg)
     try:

@@ -124,6 +124,7 @@ def test_a_store_of_another_stage_is_refused(tmp_path: Path) -> None:
         "mean": np.zeros((*shape, 32)),
         "log_variance": np.zeros((*shape, 32)),
         "action": np.zeros((*shape, 2)),
+        "reward": np.zeros(shape),
     }
     zarrs.write(tmp_path / "a.zarr", zarrs.LATENTS, latents, {})
     with pytest.raises(BelvedereError, match="it has no array qpos"):

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import torch
 import yaml
 
-from pipeline.contract import params
+from pipeline.contract import params, zarrs
 from pipeline.learning import checkpoints
 from pipeline.worldmodel.mdnrnn import MdnRnn, save_mdnrnn
 from pipeline.worldmodel.vae import Vae
@@ -15,7 +16,7 @@ from pipeline.worldmodel.vae import Vae
 ROOT = Path(__file__).resolve().parents[2]
 SCENE, ACTIONS = "panda_2dof", 2
 VIEW = {"scene": SCENE, "theta": 45.0, "phi": 15.0}
-FRAMES = 4
+EPISODES, FRAMES = 6, 4
 
 
 def write_params(folder: Path, repeats: int = 1, generations: int = 2, seed: int = 1) -> None:
@@ -25,7 +26,13 @@ def write_params(folder: Path, repeats: int = 1, generations: int = 2, seed: int
     )
     tree["scenes"][SCENE]["frames"] = FRAMES
     search = {"population": 4, "episodes": 2, "generations": generations}
-    tree["controller"] = {"sigma": 0.2, "diagonal": True, "hidden_share": 0.2}
+    tree["controller"] = {
+        "first": "rewards",
+        "ridge": 0.001,
+        "sigma": 0.2,
+        "diagonal": True,
+        "hidden_share": 0.2,
+    }
     tree["anchors"] = {"sigma": 0.2, "diagonal": False, "hold_frames": 2}
     tree["budget"], tree["seed"] = "short", seed
     tree["budgets"]["short"] = {
@@ -44,3 +51,15 @@ def write_world_model(folder: Path, repeats: int = 1) -> dict[str, Path]:
         checkpoints.save(folder / f"vae/repeat_{repeat}.pt", Vae().state_dict())
         save_mdnrnn(folder / f"mdnrnn/repeat_{repeat}.pt", MdnRnn(ACTIONS, log_sigma_bound=5.0))
     return {"vae": Path("vae"), "mdnrnn": Path("mdnrnn")}
+
+
+def write_latents(folder: Path, repeats: int = 1) -> dict[str, Path]:
+    """The flag ``latents``, and what it names: a repeat's numbers are the same however many there are."""
+    rng = [np.random.default_rng(repeat) for repeat in range(repeats)]
+    shapes = {"mean": (32,), "log_variance": (32,), "action": (ACTIONS,), "reward": ()}
+    arrays = {
+        name: np.stack([r.standard_normal((EPISODES, FRAMES, *shape)) for r in rng])
+        for name, shape in shapes.items()
+    }
+    zarrs.write(folder / "latents.zarr", zarrs.LATENTS, arrays, {})
+    return {"latents": Path("latents.zarr")}

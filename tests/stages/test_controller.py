@@ -14,7 +14,7 @@ from pipeline import controller
 from pipeline.contract.errors import BelvedereError
 from pipeline.control import loop
 from pipeline.control.policy import load_controller
-from tests.stages.control_stages import ACTIONS, FRAMES, VIEW, write_params, write_world_model
+from tests.stages.control_stages import ACTIONS, FRAMES, VIEW, write_latents, write_params, write_world_model
 
 ROOT = Path(__file__).resolve().parents[2]
 OUTS = {"out": Path("controller"), "curve": Path("curve.csv")}
@@ -29,7 +29,7 @@ def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    models = write_world_model(workplace, repeats=2)
+    models = write_world_model(workplace, repeats=2) | write_latents(workplace, repeats=2)
     write_params(workplace, repeats=1)
     controller.main(**VIEW, **models, **OUTS)
     first = (workplace / "controller/repeat_0.npz").read_bytes()
@@ -50,15 +50,23 @@ def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: p
 
 def test_a_missing_world_model_leaves_nothing_behind(workplace: Path) -> None:
     write_params(workplace)
+    latents = write_latents(workplace)
     with pytest.raises(BelvedereError, match="dvc repro vae"):
-        controller.main(**VIEW, vae=Path("vae"), mdnrnn=Path("mdnrnn"), **OUTS)
+        controller.main(**VIEW, **latents, vae=Path("vae"), mdnrnn=Path("mdnrnn"), **OUTS)
     assert not (workplace / "controller").exists()
     assert not (workplace / "curve.csv").exists()
 
 
+def test_missing_latents_are_named(workplace: Path) -> None:
+    write_params(workplace)
+    with pytest.raises(BelvedereError, match="dvc repro latents"):
+        controller.main(**VIEW, latents=Path("none.zarr"), vae=Path("vae"), mdnrnn=Path("mdnrnn"), **OUTS)
+    assert not (workplace / "controller").exists()
+
+
 @pytest.mark.slow
 def test_killed_it_continues_to_the_same_bytes(workplace: Path) -> None:
-    models = write_world_model(workplace)
+    models = write_world_model(workplace) | write_latents(workplace)
     write_params(workplace, generations=12)
     flags = [f"--{name}={value}" for name, value in {**VIEW, **models, **OUTS}.items()]
     command = [sys.executable, "-m", "pipeline.controller", *flags]

@@ -28,7 +28,8 @@ def _write_latents(path: Path, broken: bool = False) -> None:
     log_variance[..., :2] = -6.0
     if broken:
         mean[0, 0, 0, 0] = np.nan
-    arrays = {"mean": mean, "log_variance": log_variance, "action": actions}
+    reward = np.zeros((REPEATS, EPISODES, FRAMES))
+    arrays = {"mean": mean, "log_variance": log_variance, "action": actions, "reward": reward}
     zarrs.write(path, zarrs.LATENTS, arrays, {"scene": "panda_2dof", "theta_deg": 0.0, "phi_deg": 0.0})
 
 

@@ -34,17 +34,18 @@ def write_frames(path: Path, repeats: int) -> None:
         episodes, worlds = draw_episodes(scene, EPISODES, rng), Worlds(scene, EPISODES)
         worlds.reset(episodes)
         actions = rng.uniform(-1, 1, (FRAMES, EPISODES, 2))
-        qpos, tip = [], []
+        qpos, tip, reward = [], [], []
         for action in actions:
             qpos.append(worlds.qpos)
             tip.append(worlds.tip)
-            worlds.step(action)
+            reward.append(worlds.step(action))
         places, targets = np.stack(qpos, 1), np.repeat(episodes.target_m, FRAMES, axis=0)
         rgb = images.render(places.reshape(EPISODES * FRAMES, -1), targets)
         pixels = images.target_pixels(EPISODES * FRAMES)
         columns["rgb"].append(rgb.reshape(EPISODES, FRAMES, 64, 64, 3).copy())
         columns["tip"].append(np.stack(tip, 1))
         columns["action"].append(actions.swapaxes(0, 1))
+        columns["reward"].append(np.stack(reward, 1))
         columns["target"].append(episodes.target_m)
         columns["target_pixels"].append(pixels.reshape(EPISODES, FRAMES))
         columns["target_pixels_free"].append(
