@@ -10,6 +10,6 @@ from pipeline.learning.device import one_thread
 
 
 @pytest.fixture(autouse=True)
-def _one_thread() -> Iterator[None]:
+def one_thread_each() -> Iterator[None]:
     with one_thread():
         yield

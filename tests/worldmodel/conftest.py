@@ -1,15 +1,5 @@
-"""Small networks: one thread, so that a busy machine does not make threads wait for each other."""
+"""Small networks here, too."""
 
-from __future__ import annotations
+from tests.learning.conftest import one_thread_each
 
-from collections.abc import Iterator
-
-import pytest
-
-from pipeline.learning.device import one_thread
-
-
-@pytest.fixture(autouse=True)
-def _one_thread() -> Iterator[None]:
-    with one_thread():
-        yield
+__all__ = ["one_thread_each"]
