@@ -1,0 +1,86 @@
+"""Trains deep Q-networks from one viewpoint: the judge that has neither VAE nor RNN (paper section III)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import polars as pl
+
+from pipeline.contract import params, seeds
+from pipeline.contract.artefacts import write_json, writing
+from pipeline.contract.machine import cores
+from pipeline.contract.seeds import Stream
+from pipeline.contract.stage import entry
+from pipeline.control.anchors import play
+from pipeline.control.outcomes import evaluation_episodes, made_with, means, outcomes
+from pipeline.control.params import EvaluationSizes
+from pipeline.learning.device import Compute, compute
+from pipeline.learning.repeats import code_digest, finished
+from pipeline.qlearning.actions import best_restricted_expert
+from pipeline.qlearning.judge import fit, greedy, memory_bytes
+from pipeline.qlearning.params import DqnParams, DqnSizes
+from pipeline.qlearning.reach_env import ReachEnv
+from pipeline.qlearning.tables import CURVE, EPISODES
+from pipeline.sim.camera import Viewpoint, viewpoint
+from pipeline.sim.draws import draw_episodes
+from pipeline.sim.scene import Scene, load_scene
+from pipeline.sim.worlds import Worlds
+
+CODE = ("contract", "control", "learning", "qlearning", "sim", "dqn.py")
+
+
+def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metrics: Path) -> None:
+    """Writes every evaluation episode's outcome, the curves and the means; empty where none is trained."""
+    compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
+    method, sizes = params.section(DqnParams, "dqn"), params.budget_section(DqnSizes, "dqn")
+    wanted = range(sizes.repeats if scene in method.scenes else 0)
+    results = [train_repeat(compiled, view, place, method, sizes, repeat) for repeat in wanted]
+    episodes = pl.concat(
+        [pl.DataFrame(schema=EPISODES), *(pl.read_parquet(r / "e.parquet") for r in results)]
+    )
+    curves = pl.concat([pl.DataFrame(schema=CURVE), *(pl.read_parquet(r / "curve.parquet") for r in results)])
+    with writing(out) as aside:
+        episodes.write_parquet(aside)
+    with writing(curve) as aside:
+        curves.write_csv(aside)
+    facts: dict[str, Any] = {"scene": scene, "theta_deg": theta, "phi_deg": phi, "trained": len(results)}
+    facts |= {"replay_memory_bytes": memory_bytes(sizes), **means(episodes, _numbers)}
+    write_json(metrics, {**facts, "made_with": made_with(place.facts())})
+
+
+def train_repeat(
+    scene: Scene, view: Viewpoint, place: Compute, method: DqnParams, sizes: DqnSizes, repeat: int
+) -> Path:
+    """The scratch folder of a repeat's finished ``e.parquet`` (episodes) and ``curve.parquet``."""
+    seed, count = params.seed(), params.budget_section(EvaluationSizes, "evaluation").episodes
+
+    def make(results: Path, running: Path) -> None:
+        draws = seeds.generator(seed, repeat, Stream.DQN)
+        expert = best_restricted_expert(scene, draw_episodes(scene, count, draws), cores())
+        env = ReachEnv(scene, view, method.worlds, draws, cores())
+        network_seed = seeds.integer(seed, repeat, Stream.DQN)
+        trained = fit(env, method, sizes, place, network_seed, f"dqn, repeat {repeat}")
+        episodes = evaluation_episodes(scene, count, seed, repeat)
+        worlds = Worlds(scene, count, cores())
+        _, best = play(worlds, episodes, expert)
+        tips, reward = play(worlds, episodes, greedy(trained.model, scene, view, count, cores()))
+        table = outcomes(repeat, episodes, tips, reward)
+        table = table.with_columns(pl.Series("expert_return", best.sum(axis=1)))
+        table.select(pl.col(n).cast(t) for n, t in EPISODES.items()).write_parquet(results / "e.parquet")
+        rows = trained.curve.with_columns(pl.lit(repeat).alias("repeat"))
+        rows.select(pl.col(n).cast(t) for n, t in CURVE.items()).write_parquet(results / "curve.parquet")
+
+    decides: dict[str, Any] = {"code": code_digest(*CODE), "seed": seed, "evaluated": count}
+    decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(exclude={"repeats"})}
+    decides |= {"machine": place.facts(), "scene": scene.params.model_dump(), "view": view.model_dump()}
+    return finished("dqn", repeat, make, **decides)
+
+
+def _numbers(rows: pl.DataFrame) -> dict[str, Any]:
+    names = ("final_distance_m", "within_5cm", "expert_return")
+    return {"return": rows["return"].mean(), **{name: rows[name].mean() for name in names}}
+
+
+if __name__ == "__main__":
+    entry(main)

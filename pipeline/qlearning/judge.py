@@ -1,0 +1,113 @@
+"""Trains a deep Q-network from one viewpoint and lets it act on the episodes kept apart."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import polars as pl
+from stable_baselines3 import DQN
+from stable_baselines3.common.callbacks import BaseCallback
+
+from pipeline.contract.errors import BelvedereError
+from pipeline.contract.progress import Progress
+from pipeline.control.anchors import Policy
+from pipeline.learning.device import Compute
+from pipeline.qlearning.actions import action_table
+from pipeline.qlearning.params import DqnParams, DqnSizes
+from pipeline.qlearning.reach_env import Pictures, ReachEnv
+from pipeline.sim.camera import Viewpoint
+from pipeline.sim.scene import Scene
+from pipeline.sim.sight import PICTURE_SIZE
+from pipeline.sim.worlds import Worlds
+
+_TRANSITION_BYTES = 2 * PICTURE_SIZE**2 * 3 + 8 + 4 + 4 + 4  # two pictures, action, reward, done, timeout
+
+
+def memory_bytes(sizes: DqnSizes) -> int:
+    """What the replay memory takes."""
+    return sizes.memory * _TRANSITION_BYTES
+
+
+@dataclass(frozen=True)
+class Trained:
+    """A trained network.
+
+    Attributes:
+        model: stable-baselines3's.
+        curve: columns ``generation`` (count of ended batches of episodes), ``frames`` seen so far, ``mean``
+            and ``best`` return, paper eq. (2), of the batch's episodes, random actions included.
+        gradient_steps: how many were made.
+    """
+
+    model: DQN
+    curve: pl.DataFrame
+    gradient_steps: int
+
+
+def fit(env: ReachEnv, method: DqnParams, sizes: DqnSizes, compute: Compute, seed: int, what: str) -> Trained:
+    """Trains a network with a convolutional policy (Mnih et al. 2015) on one picture at a time.
+
+    Args:
+        env: the worlds.
+        method: learning rate, discount, exploration.
+        sizes: frames, memory, gradient steps.
+        compute: where.
+        seed: of stable-baselines3, which seeds Python's, NumPy's and torch's global generators with it.
+        what: the progress bar's words.
+
+    Raises:
+        BelvedereError: the network diverged.
+    """
+    model = DQN(
+        "CnnPolicy",
+        env,
+        learning_rate=method.learning_rate,
+        buffer_size=sizes.memory,
+        learning_starts=method.worlds * env.frames,
+        batch_size=method.batch,
+        gamma=method.discount,
+        train_freq=(1, "step"),
+        gradient_steps=max(1, env.num_envs // sizes.frames_per_step),
+        target_update_interval=sizes.target_every,
+        exploration_fraction=method.exploration.over,
+        exploration_initial_eps=method.exploration.first,
+        exploration_final_eps=method.exploration.last,
+        seed=seed % 2**31,
+        device=compute.device,
+    )
+    with Progress(sizes.frames, what) as progress:
+        model.learn(sizes.frames, callback=_Telling(env, progress))
+    if not all(bool(weight.isfinite().all()) for weight in model.policy.parameters()):
+        raise BelvedereError(
+            f"{what}: the network's weights are no longer finite numbers; lower dqn.learning_rate "
+            f"(now {method.learning_rate:g}) in params.yaml."
+        )
+    frames = env.num_envs * env.frames
+    rows = [(i, (i + 1) * frames, float(r.mean()), float(r.max())) for i, r in enumerate(env.returns)]
+    curve = pl.DataFrame(rows, schema=["generation", "frames", "mean", "best"], orient="row")
+    return Trained(model, curve, model._n_updates)
+
+
+class _Telling(BaseCallback):
+    """Tells the progress bar."""
+
+    def __init__(self, env: ReachEnv, progress: Progress) -> None:
+        super().__init__()
+        self._env, self._progress = env, progress
+
+    def _on_step(self) -> bool:
+        facts = {"returned": f"{self._env.returns[-1].mean():.2f}"} if self._env.returns else {}
+        self._progress.advance(self._env.num_envs, **facts)
+        return True
+
+
+def greedy(model: DQN, scene: Scene, view: Viewpoint, count: int, threads: int) -> Policy:
+    """The policy of a trained network in ``count`` worlds, without random actions."""
+    actions, pictures = action_table(scene.action_size), Pictures(scene, view, count, threads)
+
+    def act(worlds: Worlds, frame: int) -> np.ndarray:
+        chosen, _ = model.predict(pictures(worlds), deterministic=True)
+        return np.asarray(actions[chosen])
+
+    return act

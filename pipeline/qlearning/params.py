@@ -1,0 +1,70 @@
+"""The parts of params.yaml that Q-learning reads."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from pipeline.contract.params import Section
+
+Count = Annotated[int, Field(ge=1)]
+Share = Annotated[float, Field(ge=0, le=1)]
+
+
+class Exploration(Section):
+    """Section ``dqn.exploration``: the share of random actions falls from ``first`` to ``last``.
+
+    Attributes:
+        first: share at the first frame.
+        last: share once ``over`` of all frames are done.
+        over: share of the frames.
+    """
+
+    first: Share
+    last: Share
+    over: Annotated[float, Field(gt=0, le=1)]
+
+
+class DqnParams(Section):
+    """Section ``dqn``: the method.
+
+    Attributes:
+        scenes: the scenes in which the network is trained.
+        learning_rate: Adam's.
+        discount: of the next frame's value.
+        batch: transitions of a gradient step.
+        exploration: random actions.
+        worlds: how many act at a time.
+    """
+
+    scenes: list[str]
+    learning_rate: Annotated[float, Field(gt=0)]
+    discount: Annotated[float, Field(ge=0, lt=1)]
+    batch: Count
+    exploration: Exploration
+    worlds: Annotated[int, Field(ge=16)]
+
+
+class DqnSizes(Section):
+    """Section ``budgets.*.dqn``.
+
+    Attributes:
+        repeats: independent trainings of every viewpoint; 0 trains none.
+        frames: of one training.
+        memory: transitions that the replay memory holds.
+        frames_per_step: frames seen between two gradient steps.
+        target_every: frames between two copies of the network to the target network.
+    """
+
+    repeats: Annotated[int, Field(ge=0)]
+    frames: Count
+    memory: Count
+    frames_per_step: Count
+    target_every: Count
+
+    @model_validator(mode="after")
+    def _memory_holds_a_batch(self) -> DqnSizes:
+        if self.memory > self.frames:
+            raise ValueError(f"memory {self.memory} is more than the {self.frames} frames there are")
+        return self
