@@ -18,17 +18,23 @@ from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.errors import unknown
 from pipeline.contract.stage import entry
 from pipeline.stats.branches import read_results
+from pipeline.stats.claims import read_claims
+from pipeline.stats.dqn import read_dqn
 from pipeline.stats.params import RankingParams
 from pipeline.stats.ranks import Ranked, rank
+from pipeline.stats.section3 import comparison
 from pipeline.stats.verdict import scene_verdict
 
 MIX_VARIABLE = "BELVEDERE_MIX"  # an environment variable: where a result was made is no parameter
 
 
-def main(*, scene: str, branches: Path, anchors: Path, out: Path, table: Path) -> None:
+def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, table: Path) -> None:
     """Reads the branches' evaluations in folder ``branches``; writes ``out`` (JSON), ``table`` (CSV)."""
-    confidence = params.section(RankingParams, "ranking").confidence
+    method = params.section(RankingParams, "ranking")
+    confidence = method.confidence
+    asked = [claim for claim in read_claims(claims) if claim.scene == scene]
     results = read_results(scene, branches, anchors, mix=_mix())
+    dqn = read_dqn(branches, list(results.branches))
     rows, fit = rank(results, confidence)
     verdict = scene_verdict(scene, rows, confidence)
     content = {
@@ -38,6 +44,7 @@ def main(*, scene: str, branches: Path, anchors: Path, out: Path, table: Path) -
         "anchors": {name: float(values.mean()) for name, values in results.anchors.items()},
         "viewpoints": {row.key: {k: v for k, v in asdict(row).items() if k != "key"} for row in rows},
         "spread": fit.errors(),  # no key may be "error": DVC takes it for a metric that failed to load
+        **comparison(results, dqn, asked, method),
         "made_with": _joined(results.made_with),
     }
     write_json(out, content)

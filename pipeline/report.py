@@ -24,7 +24,7 @@ def main(*, rankings: Path, branches: Path, anchors: Path, pictures: Path, out: 
         out: the HTML file.
     """
     scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
-    page = render(scenes, missing, pictures, revision(), _parameters())
+    page = render(scenes, missing, pictures, revision(), _parameters(), _random_frames())
     with writing(out) as aside:
         aside.write_text(page, encoding="utf-8")
 
@@ -40,6 +40,12 @@ def _parameters() -> dict[str, object]:
         "heldout_share": params.heldout_share(),
         budget: budgets[budget],
     }
+
+
+def _random_frames() -> dict[str, int]:
+    """By scene, the frames of a repeat's random episodes."""
+    episodes = params.value("budgets", params.value("budget"), "rollouts", "episodes")
+    return {name: episodes * scene["frames"] for name, scene in params.value("scenes").items()}
 
 
 if __name__ == "__main__":

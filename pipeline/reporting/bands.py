@@ -34,3 +34,9 @@ def band(curve: pl.DataFrame, confidence: float) -> pl.DataFrame:
     halves = pl.Series([mean_half_width(fit, confidence) for fit in fits], dtype=pl.Float64)
     means = pl.Series([float(fit.means[0]) for fit in fits], dtype=pl.Float64)
     return table.select("frames", mean=means, low=means - halves, high=means + halves)
+
+
+def at_frames(table: pl.DataFrame, frames: float) -> float | None:
+    """The mean of a band's last row at or before so many frames; ``None`` before its first."""
+    seen = table.filter(pl.col("frames") <= frames)
+    return float(seen["mean"][-1]) if seen.height else None

@@ -18,6 +18,7 @@ from pipeline.reporting.pictures import Pictures, read_pictures
 from pipeline.reporting.plots import curve_plots, difference_plot, score_plot
 from pipeline.reporting.provenance import Costs, costs, flat, made_with
 from pipeline.reporting.results import SceneResults, View
+from pipeline.reporting.section3 import SYMBOLS, claimed, claims, judges_page
 
 TEMPLATES = Path(__file__).parent / "template"
 
@@ -41,6 +42,7 @@ def render(
     pictures: Path,
     revision: str,
     parameters: dict[str, Any],
+    random_frames: dict[str, int],
 ) -> str:
     """The page's HTML; the same bytes for the same arguments, files and recorded seconds.
 
@@ -50,6 +52,7 @@ def render(
         pictures: folder with one folder of pictures per branch.
         revision: the code's revision, in words.
         parameters: what to name under "parameters"; ``budget`` among them.
+        random_frames: of each scene, how many a world model saw before its controller.
     """
     style = (TEMPLATES / "style.css").read_text(encoding="utf-8")
     recorded: Costs = costs(scenes)
@@ -58,6 +61,8 @@ def render(
         .get_template("page.html.jinja")
         .render(
             scenes=[_scene_page(scene, pictures) for scene in scenes],
+            judges=[page for s in scenes if (page := judges_page(s, random_frames[s.name])) is not None],
+            claims=claims(scenes),
             missing=missing,
             style=Markup(style),
             style_hash=_hash(style),
@@ -123,6 +128,8 @@ def _environment() -> Environment:
         "seconds": numbers.seconds,
         "fixed": numbers.fixed,
         "angles": _angles,
+        "claimed": claimed,
     }
+    environment.globals["symbols"] = SYMBOLS
     environment.globals["interval"] = numbers.interval
     return environment

@@ -116,8 +116,8 @@ def curve_plots(scene: SceneResults, bands: dict[str, pl.DataFrame]) -> dict[str
     first = scene.views[0]
     plots = {}
     for view in scene.views:
-        figure, axes = _curve_axes((bottom - margin, top + margin), frames)
-        _anchor_lines(axes, scene.anchors)
+        figure, axes = curve_axes((bottom - margin, top + margin), frames)
+        anchor_lines(axes, scene.anchors)
         if view is not first:
             table = bands[first.key]
             sns.lineplot(
@@ -129,7 +129,8 @@ def curve_plots(scene: SceneResults, bands: dict[str, pl.DataFrame]) -> dict[str
     return plots
 
 
-def _curve_axes(limits: tuple[float, float], frames: float) -> tuple[Figure, Axes]:
+def curve_axes(limits: tuple[float, float], frames: float) -> tuple[Figure, Axes]:
+    """Axes of a learning curve: limits of the return (m), and how many frames there are."""
     figure = Figure(figsize=CURVE_IN)  # fixed margins: the views' axes line up
     axes = figure.subplots(gridspec_kw=CURVE_MARGINS)
     axes.set_ylim(*limits)
@@ -144,7 +145,7 @@ def _curve_axes(limits: tuple[float, float], frames: float) -> tuple[Figure, Axe
     return figure, axes
 
 
-def _anchor_lines(axes: Axes, anchors: Anchors) -> None:
+def anchor_lines(axes: Axes, anchors: Anchors) -> None:
     """Expert, blind and no-op as horizontal lines, named at their right ends."""
     bottom, top = axes.get_ylim()
     lines = sorted(

@@ -31,6 +31,7 @@ class View:
     mdnrnn: Mdnrnn
     evaluation: Evaluation
     curve: pl.DataFrame
+    dqn_curve: pl.DataFrame | None
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,7 @@ def _view(scene: str, key: str, ranked: Ranked, folder: Path) -> View:
         mdnrnn=read(Mdnrnn, folder / "mdnrnn.json", f"mdnrnn@{key}"),
         evaluation=read(Evaluation, folder / "evaluation.json", f"evaluation@{key}"),
         curve=_read_curve(folder / "controller.csv", f"controller@{key}"),
+        dqn_curve=_read_dqn_curve(folder / "dqn.csv", f"dqn@{key}"),
     )
 
 
@@ -100,13 +102,23 @@ def short(key: str, scene: str) -> str:
 def _read_curve(path: Path, made_by: str) -> pl.DataFrame:
     if not path.is_file():
         raise BelvedereError(f"{path} is missing; `dvc repro {made_by}` makes it.")
+    curve = _read_csv(path, made_by)
+    if curve.is_empty():
+        raise BelvedereError(f"{path} holds no generation; `dvc repro {made_by}` makes it anew.")
+    return curve
+
+
+def _read_dqn_curve(path: Path, made_by: str) -> pl.DataFrame | None:
+    """None where no network was trained."""
+    curve = _read_csv(path, made_by) if path.is_file() else None
+    return None if curve is None or curve.is_empty() else curve
+
+
+def _read_csv(path: Path, made_by: str) -> pl.DataFrame:
     try:
-        curve = pl.read_csv(path, schema_overrides=CURVE_COLUMNS).select(*CURVE_COLUMNS)
+        return pl.read_csv(path, schema_overrides=CURVE_COLUMNS).select(*CURVE_COLUMNS)
     except pl.exceptions.PolarsError as error:
         reason = " ".join(str(error).split())[:120]
         raise BelvedereError(
             f"{path} is no learning curve ({reason}); delete it and run `dvc repro {made_by}`."
         ) from None
-    if curve.is_empty():
-        raise BelvedereError(f"{path} holds no generation; `dvc repro {made_by}` makes it anew.")
-    return curve

@@ -58,6 +58,90 @@ class Spread(Table):
     residual_df: float | None
 
 
+class FTest(Table):
+    """An F test."""
+
+    df: float
+    df_error: float
+    f: float
+    p: float
+
+
+class Effect(Table):
+    """One level of a factor less another, in normalised score."""
+
+    factor: Literal["theta", "phi"]
+    first_deg: float
+    second_deg: float
+    difference: float
+    low: float
+    high: float
+    equivalence_low: float
+    equivalence_high: float
+    word: str
+
+
+class Factorial(Table):
+    """What pan and tilt change in one judge's normalised scores."""
+
+    margin: float
+    tests: dict[str, FTest]
+    effects: list[Effect]
+
+
+class DqnView(Table):
+    """What the deep Q-networks of one view reached."""
+
+    return_mean: float
+    score_mean: float
+    score_of_restricted_mean: float
+
+
+class Dqn(Table):
+    """What the deep Q-networks of a scene reached."""
+
+    repeats: int
+    viewpoints: dict[str, DqnView]
+    score_half_width: float | None
+    restricted_expert_return: float
+    factorial: Factorial | None
+
+
+class JudgeEffect(Table):
+    """An effect in the world model's scores less the same in the deep Q-networks'."""
+
+    factor: Literal["theta", "phi"]
+    first_deg: float
+    second_deg: float
+    difference: float
+    low: float
+    high: float
+    p: float
+
+
+class Judges(Table):
+    """Whether what a view gives depends on the judge."""
+
+    test: FTest | None
+    effects: list[JudgeEffect]
+
+
+class Claim(Table):
+    """One finding of the paper, and what ours says of it; differences in normalised score."""
+
+    section: str
+    scene: str
+    judge: str
+    factor: Literal["theta", "phi"]
+    first_deg: float | None
+    second_deg: float | None
+    finding: Literal["higher", "none"]
+    difference: float | None
+    low: float | None
+    high: float | None
+    outcome: str
+
+
 class Ranking(Table):
     """One scene's ranking, ``reports/rankings/{scene}.json``."""
 
@@ -66,6 +150,10 @@ class Ranking(Table):
     verdict: SceneVerdict
     viewpoints: dict[str, Ranked]
     spread: Spread
+    factorial: Factorial | None
+    dqn: Dqn | None
+    judges: Judges | None
+    claims: list[Claim]
     made_with: dict[str, Any]
 
 

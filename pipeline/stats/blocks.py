@@ -102,10 +102,11 @@ def difference_half_width(fit: TwoWay, confidence: float) -> float | None:
     """
     if fit.residual is None:
         return None
-    quantile = _studentized_range(confidence, len(fit.means), fit.residual.df)
+    quantile = studentized_range(confidence, len(fit.means), fit.residual.df)
     return quantile * fit.residual.sd / fit.repeats**0.5
 
 
 @lru_cache(maxsize=64)
-def _studentized_range(confidence: float, views: int, df: float) -> float:
-    return float(stats.studentized_range.ppf(confidence, views, df))
+def studentized_range(confidence: float, means: int, df: float) -> float:
+    """Tukey's quantile q for so many means; kept, since SciPy integrates for it."""
+    return float(stats.studentized_range.ppf(confidence, means, df))

@@ -12,6 +12,9 @@ class RankingParams(Section):
 
     Attributes:
         confidence: the intervals' confidence level, strictly between 0 and 1.
+        equivalence_margin: differences in normalised score whose 90 % interval lies within ± this are
+            called none.
     """
 
     confidence: float = Field(gt=0, lt=1)
+    equivalence_margin: float = Field(gt=0)

@@ -64,6 +64,7 @@ def write_study(
             scene=scene,
             branches=folder / "reports/branches" / scene,
             anchors=folder / f"reports/anchors/{scene}.json",
+            claims=REPOSITORY / "data/reference/claims.yaml",
             out=folder / f"reports/rankings/{scene}.json",
             table=folder / f"reports/rankings/{scene}.csv",
         )
@@ -81,9 +82,11 @@ def _write_params(folder: Path, scenes: dict, study: tuple, repeats: int) -> Non
         "budget": "quick",
         "seed": 1,
         "heldout_share": 0.1,
-        "ranking": {"confidence": 0.95},
-        "scenes": {scene: {} for scene in scenes},
-        "budgets": {"quick": {"repeats": repeats, "vae": {"epochs": 20, "batch": 128}}},
+        "ranking": {"confidence": 0.95, "equivalence_margin": 0.1},
+        "scenes": {scene: {"frames": 50} for scene in scenes},
+        "budgets": {
+            "quick": {"repeats": repeats, "rollouts": {"episodes": 20}, "vae": {"epochs": 20, "batch": 128}}
+        },
     }
     (folder / "params.yaml").write_text(yaml.safe_dump(tree, sort_keys=False))
 
@@ -306,7 +309,7 @@ def test_plots_say_the_tables_numbers(html: str, study: Path) -> None:
 
 def test_scenes_stand_in_the_order_of_params_and_one_not_ranked_is_named(build: Build) -> None:
     Path("params.yaml").write_text(
-        Path("params.yaml").read_text().replace("scenes:\n", "scenes:\n  panda_1dof: {}\n")
+        Path("params.yaml").read_text().replace("scenes:\n", "scenes:\n  panda_1dof: {frames: 50}\n")
     )
     page = _Page(build())
     places = [name for name in page.values("id") if name.startswith("scene-")]

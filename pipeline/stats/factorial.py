@@ -1,0 +1,189 @@
+"""Factorial effects of pan θ and tilt φ, where a scene's viewpoints form a full θ × φ grid.
+
+Values are those of a randomised complete block design (:mod:`pipeline.stats.blocks`): repeat r is a block.
+The error of every effect is the design's residual, s² with (V - 1)(R - 1) degrees of freedom.
+
+Sources: D. C. Montgomery, Design and Analysis of Experiments, sections 4.1 and 5.3 (a factorial in
+blocks); J. W. Tukey's studentized range for the levels of one factor; D. J. Schuirmann, J. Pharmacokin.
+Biopharm. 15 (1987) 657-680 (two one-sided tests: "no difference" is an interval within a margin).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from scipy import stats
+
+from pipeline.stats.blocks import studentized_range, two_way
+
+DIFFERS = "differs"
+NO_DIFFERENCE = "no difference"
+NOT_SEPARATED = "not separated"
+EQUIVALENCE_CONFIDENCE = 0.90  # of the interval that has to lie within the margin
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A full grid of viewpoints.
+
+    Attributes:
+        levels: of each factor (``theta``, ``phi``) its values in degrees, ascending.
+        views: (θ, φ) the view at each place, an index into the table's rows.
+    """
+
+    levels: dict[str, list[float]]
+    views: np.ndarray
+
+
+@dataclass(frozen=True)
+class FTest:
+    """An F test: numerator and denominator degrees of freedom, statistic and p-value."""
+
+    df: float
+    df_error: float
+    f: float
+    p: float
+
+
+@dataclass(frozen=True)
+class Effect:
+    """The mean at one level of a factor less that at another, over all levels of the other factor.
+
+    Attributes:
+        factor: ``theta`` or ``phi``.
+        first_deg, second_deg: the levels; the difference is first less second.
+        difference, low, high: with Tukey's interval over the pairs of this factor's levels.
+        equivalence_low, equivalence_high: the 90 % t interval that is held against the margin.
+        se: standard error of the difference.
+        word: ``differs``, ``no difference`` or ``not separated``.
+    """
+
+    factor: str
+    first_deg: float
+    second_deg: float
+    difference: float
+    low: float
+    high: float
+    equivalence_low: float
+    equivalence_high: float
+    se: float
+    word: str
+
+
+@dataclass(frozen=True)
+class Factorial:
+    """All of it: the effects of both factors, their tests, and that of their interaction.
+
+    Attributes:
+        df_error: degrees of freedom of the error.
+        margin: differences within ± this are none.
+        tests: by ``theta``, ``phi`` (those with more than one level) and ``interaction`` (with both).
+        effects: all pairs of levels, factor by factor.
+    """
+
+    df_error: float
+    margin: float
+    tests: dict[str, FTest]
+    effects: list[Effect]
+
+
+def find_grid(theta_deg: Sequence[float], phi_deg: Sequence[float]) -> Grid | None:
+    """The grid that views at these angles form; ``None`` if they form none, or no factor varies.
+
+    Of more views than a grid holds (a study beside the candidates), the largest full grid is taken, which
+    is unique for a grid with views off it.
+    """
+    places = {(t, p): i for i, (t, p) in enumerate(zip(theta_deg, phi_deg, strict=True))}
+    thetas, phis = sorted(set(theta_deg)), sorted(set(phi_deg))
+    best: tuple[int, list[float], list[float]] = (1, [], [])
+    for count in range(1, len(phis) + 1):
+        for chosen in combinations(phis, count):
+            full = [t for t in thetas if all((t, p) in places for p in chosen)]
+            if len(full) * count > best[0]:
+                best = (len(full) * count, full, list(chosen))
+    if best[0] < 2:
+        return None
+    views = np.array([[places[t, p] for p in best[2]] for t in best[1]])
+    return Grid({"theta": best[1], "phi": best[2]}, views)
+
+
+def factorial(values: np.ndarray, grid: Grid, confidence: float, margin: float) -> Factorial | None:
+    """Takes a table (view, repeat) apart; ``None`` with one repeat, which tells no error.
+
+    Args:
+        values: of all views that the grid indexes.
+        grid: where they stand.
+        confidence: level of the effects' intervals.
+        margin: of equivalence, in the values' unit.
+    """
+    cells = values[grid.views]  # (θ, φ, repeat)
+    fit = two_way(cells.reshape(-1, cells.shape[2]))
+    if fit.residual is None:
+        return None
+    variance, df, repeats = fit.residual.sd**2, fit.residual.df, cells.shape[2]
+    tests, effects = {}, []
+    for axis, factor in enumerate(("theta", "phi")):
+        means = cells.mean(axis=(1 - axis, 2))
+        if len(means) > 1:
+            each = repeats * cells.shape[1 - axis]  # values behind a level's mean
+            tests[factor] = _f_test(
+                each * float(((means - means.mean()) ** 2).sum()), len(means) - 1, variance, df
+            )
+            effects += _pairs(
+                factor, grid.levels[factor], means, (2 * variance / each) ** 0.5, df, confidence, margin
+            )
+    if len(tests) == 2:
+        over = cells.mean(axis=2)
+        left = over - over.mean(1, keepdims=True) - over.mean(0, keepdims=True) + over.mean()
+        free = (over.shape[0] - 1) * (over.shape[1] - 1)
+        tests["interaction"] = _f_test(repeats * float((left**2).sum()), free, variance, df)
+    return Factorial(df, margin, tests, effects)
+
+
+def _f_test(squares: float, df: int, variance: float, df_error: float) -> FTest:
+    f = squares / df / variance if variance else float("inf")
+    return FTest(df, df_error, f, float(stats.f.sf(f, df, df_error)))
+
+
+def _pairs(
+    factor: str,
+    levels: Sequence[float],
+    means: np.ndarray,
+    se: float,
+    df: float,
+    confidence: float,
+    margin: float,
+) -> list[Effect]:
+    half = studentized_range(confidence, len(means), df) * se / 2**0.5
+    narrow = float(stats.t.ppf((1 + EQUIVALENCE_CONFIDENCE) / 2, df)) * se
+    effects = []
+    for first, second in combinations(range(len(means)), 2):
+        gap = float(means[first] - means[second])
+        effects.append(
+            Effect(
+                factor,
+                levels[first],
+                levels[second],
+                gap,
+                gap - half,
+                gap + half,
+                gap - narrow,
+                gap + narrow,
+                se,
+                word(gap, half, narrow, margin),
+            )
+        )
+    return effects
+
+
+def word(difference: float, half_width: float, equivalence_half_width: float, margin: float) -> str:
+    """What a difference is, from its interval and the 90 % interval that is held against the margin.
+
+    A difference that is separated from zero and yet within the margin is a difference.
+    """
+    if abs(difference) > half_width:
+        return DIFFERS
+    return NO_DIFFERENCE if abs(difference) + equivalence_half_width <= margin else NOT_SEPARATED

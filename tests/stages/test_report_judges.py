@@ -1,0 +1,125 @@
+"""The report's section on judges, with networks and without, and the paper's findings beside ours."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+
+from pipeline import ranking, report
+from pipeline.contract.artefacts import write_json
+from pipeline.reporting.numbers import interval, score
+from tests.stages.test_report import FOLDERS, MADE_WITH, PAGE, REPOSITORY, VIEWS, write_study
+
+SCENE = "fetch_reach"
+
+
+def write_networks(folder: Path, repeats: int = 3) -> None:
+    """What the stage `dqn` leaves: networks that see no difference between views."""
+    rng = np.random.default_rng(5)
+    for key in VIEWS[SCENE]:
+        branch = folder / "reports/branches" / SCENE / key
+        rows = [
+            {"repeat": r, "return": float(rng.normal(-4.4, 0.2)), "expert_return": -2.6}
+            for r in range(repeats)
+        ]
+        write_json(branch / "dqn.json", {"repeats": rows, "made_with": MADE_WITH})
+        steps = [
+            {"repeat": r, "generation": g, "frames": 1600 * (g + 1), "mean": -9.0 + g / 5, "best": -5.0}
+            for r in range(repeats)
+            for g in range(25)
+        ]
+        pl.DataFrame(steps).write_csv(branch / "dqn.csv")
+
+
+def rank(folder: Path) -> dict:
+    out = folder / f"reports/rankings/{SCENE}.json"
+    ranking.main(
+        scene=SCENE,
+        branches=folder / "reports/branches" / SCENE,
+        anchors=folder / f"reports/anchors/{SCENE}.json",
+        claims=REPOSITORY / "data/reference/claims.yaml",
+        out=out,
+        table=folder / "ranking.csv",
+    )
+    return json.loads(out.read_text())
+
+
+@pytest.fixture
+def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], str]:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("BELVEDERE_SCRATCH", str(tmp_path / "scratch"))
+    write_study(tmp_path, {SCENE: VIEWS[SCENE]})
+
+    def page() -> str:
+        report.main(**FOLDERS, out=PAGE)
+        return Path(PAGE).read_text(encoding="utf-8")
+
+    return page
+
+
+def rows(html: str, label: str) -> list[list[str]]:
+    """The cells of the table in the region of that name."""
+    table = html.split(f'aria-label="{label}"', 1)[1].split("</table>", 1)[0]
+    body = table.split("<tbody>", 1)[1]
+    cells = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row, re.DOTALL) for row in body.split("<tr>")[1:]]
+    return [[re.sub(r"<[^>]+>", "", cell).strip() for cell in row] for row in cells]
+
+
+def test_without_networks_the_page_says_how_to_train_them(study: Callable[[], str]) -> None:
+    html = study()
+    assert "DQN not run at this budget" in html
+    assert "<code>./run dvc exp run -S budgets.quick.dqn.repeats=3</code>" in html
+    findings = rows(html, "Findings")
+    assert [row[-1] for row in findings if row[2] != "world model"] == ["not run"] * 3
+
+
+def test_with_networks_every_number_is_the_rankings(study: Callable[[], str], tmp_path: Path) -> None:
+    write_networks(tmp_path)
+    content = rank(tmp_path)
+    html = study()
+    assert "DQN not run" not in html
+    for part, label in (
+        ("factorial", f"World model: effects of pan θ and tilt φ on the normalised score in {SCENE}"),
+        ("dqn", "DQN: the same effects"),
+    ):
+        found = content[part] if part == "factorial" else content["dqn"]["factorial"]
+        expected = [
+            [score(e["difference"]), interval(e["low"], e["high"]), e["word"]] for e in found["effects"]
+        ]
+        assert [[row[1], row[2], row[4]] for row in rows(html, label)] == expected
+    for row, (key, view) in zip(
+        sorted(rows(html, f"Both judges in {SCENE}")),
+        sorted(content["dqn"]["viewpoints"].items()),
+        strict=True,
+    ):
+        assert key.endswith(row[0])
+        assert (row[5], row[6]) == (score(view["score_mean"]), score(view["score_of_restricted_mean"]))
+    by_judge = content["judges"]["effects"]
+    assert [row[1] for row in rows(html, f"Judge by view in {SCENE}")] == [
+        score(e["difference"]) for e in by_judge
+    ]
+    assert [row[-1] for row in rows(html, "Findings")] == [claim["outcome"] for claim in content["claims"]]
+    assert html.count("<figcaption>DQN, θ = ") == html.count("<figcaption>world model, θ = ") == 3
+
+
+def test_equal_frames_count_what_the_world_model_saw_before(study: Callable[[], str], tmp_path: Path) -> None:
+    write_networks(tmp_path)
+    rank(tmp_path)
+    html = study()
+    frames = float(re.search(r"after equally many frames \((\d+), in training\)", html)[1])
+    controller = pl.read_csv(tmp_path / f"reports/branches/{SCENE}/{SCENE}-a/controller.csv")
+    networks = pl.read_csv(tmp_path / f"reports/branches/{SCENE}/{SCENE}-a/dqn.csv")
+    random_frames = 20 * 50  # episodes by frames, as write_study says
+    assert frames == min(controller["frames"].max() + random_frames, networks["frames"].max())
+    (row,) = [row for row in rows(html, f"Both judges in {SCENE}") if row[0] == "a"]
+    seen = controller.filter(pl.col("frames") + random_frames <= frames)
+    last = seen.filter(pl.col("frames") == seen["frames"].max())["mean"].mean()
+    assert row[7] == score(last)
+    last = networks.filter(pl.col("frames") <= frames).filter(pl.col("frames") == pl.col("frames").max())
+    assert row[8] == score(last["mean"].mean())

@@ -1,0 +1,98 @@
+"""The comparison of judges, on tables whose answer is known."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.contract.errors import BelvedereError
+from pipeline.stats.branches import Branch, Results
+from pipeline.stats.claims import Claim
+from pipeline.stats.dqn import DqnResults, read_dqn
+from pipeline.stats.params import RankingParams
+from pipeline.stats.section3 import comparison
+
+ANGLES = [(t, p) for p in (30.0, 45.0) for t in (0.0, 45.0, 90.0)]
+KEYS = [f"reach-{letter}" for letter in "abcdef"]
+METHOD = RankingParams(confidence=0.95, equivalence_margin=0.1)
+CLAIMS = [
+    Claim(
+        section="III-B",
+        scene="reach",
+        judge=judge,
+        factor="phi",
+        first_deg=30,
+        second_deg=45,
+        finding="higher",
+    )
+    for judge in ("world model", "dqn", "world model over dqn")
+]
+
+
+def returns(effect_of_phi: float, level: float, repeats: int, seed: int) -> np.ndarray:
+    """(view, repeat), blind at -10 and expert at 0: scores are 1 + return / 10."""
+    noise = np.random.default_rng(seed).normal(size=(6, repeats)) * 0.1
+    return level + noise + np.array([effect_of_phi * (p == 30.0) for _, p in ANGLES])[:, None]
+
+
+def results(values: np.ndarray) -> Results:
+    branches = {k: Branch(scene="reach", theta=t, phi=p) for k, (t, p) in zip(KEYS, ANGLES, strict=True)}
+    repeats = values.shape[1]
+    anchors = {n: np.full(repeats, v) for n, v in {"no_op": -11.0, "blind": -10.0, "expert": 0.0}.items()}
+    return Results(branches, {key: [] for key in KEYS}, values, anchors, {})
+
+
+def outcomes(content: dict) -> list[str]:
+    return [claim["outcome"] for claim in content["claims"]]
+
+
+def test_without_networks_only_the_world_model_speaks() -> None:
+    content = comparison(results(returns(3.0, -6.0, 4, 1)), None, CLAIMS, METHOD)
+    assert content["dqn"] is None and content["judges"] is None
+    assert outcomes(content) == ["agrees", "not run", "not run"]
+    (phi,) = [effect for effect in content["factorial"]["effects"] if effect["factor"] == "phi"]
+    assert (phi["first_deg"], phi["second_deg"]) == (30.0, 45.0)
+    assert phi["difference"] == pytest.approx(0.3, abs=0.02)
+
+
+def test_judges_of_which_one_sees_tilt_and_one_does_not() -> None:
+    dqn = DqnResults(KEYS, returns(0.0, -5.0, 3, 2), np.full(3, -1.0))
+    content = comparison(results(returns(3.0, -6.0, 4, 1)), dqn, CLAIMS, METHOD)
+    assert outcomes(content) == ["agrees", "contradicts", "agrees"]
+    assert content["judges"]["test"]["p"] < 0.001
+    view = content["dqn"]["viewpoints"]["reach-a"]
+    assert view["score_mean"] == pytest.approx(1 + view["return_mean"] / 10)
+    assert view["score_of_restricted_mean"] == pytest.approx((view["return_mean"] + 10) / 9)
+
+
+def test_networks_that_learned_nothing_are_no_judges() -> None:
+    dqn = DqnResults(KEYS, returns(0.0, -10.5, 3, 2), np.full(3, -1.0))
+    content = comparison(results(returns(3.0, -6.0, 4, 1)), dqn, CLAIMS, METHOD)
+    assert outcomes(content) == ["agrees", "not above blind", "not above blind"]
+
+
+def write(folder: Path, key: str, rows: list[dict]) -> None:
+    path = folder / key / "dqn.json"
+    path.parent.mkdir(parents=True)
+    path.write_text(json.dumps({"repeats": rows}))
+
+
+def test_what_is_read(tmp_path: Path) -> None:
+    assert read_dqn(tmp_path, KEYS) is None
+    write(tmp_path, KEYS[0], [])
+    assert read_dqn(tmp_path, KEYS) is None
+    rows = [{"repeat": r, "return": -3.0 - r, "expert_return": -1.0 - r} for r in (1, 0)]
+    write(tmp_path, KEYS[1], rows)
+    found = read_dqn(tmp_path, KEYS)
+    assert found is not None and found.keys == [KEYS[1]]
+    np.testing.assert_array_equal(found.returns, [[-3.0, -4.0]])
+    np.testing.assert_array_equal(found.restricted_expert, [-1.0, -2.0])
+    write(tmp_path, KEYS[2], rows[:1])
+    with pytest.raises(BelvedereError, match="different numbers of repeats"):
+        read_dqn(tmp_path, KEYS)
+    write(tmp_path, KEYS[3], [{"repeat": 0, "return": "x", "expert_return": 1}])
+    with pytest.raises(BelvedereError, match=f"dqn@{KEYS[3]}"):
+        read_dqn(tmp_path, KEYS)
