@@ -7,10 +7,10 @@ import json
 import sys
 from typing import Any
 
-from benchmarks import closed_loop, render, vae
+from benchmarks import closed_loop, dqn, render, vae
 from pipeline.contract.machine import cores, processor
 
-BENCHMARKS = (render.measure, closed_loop.measure, vae.measure)
+BENCHMARKS = (render.measure, closed_loop.measure, vae.measure, dqn.measure)
 HEADER = ("work", "scene", "ours", "peer", "unit", "ratio", "goal", "holds")
 
 

@@ -45,6 +45,11 @@ def interval(low: float | None, high: float | None) -> str:
     return MISSING if low is None or high is None else f"{fixed(low, 2)} to {fixed(high, 2)}"
 
 
+def p_value(p: float) -> str:
+    """A p-value: never a zero."""
+    return "< 0.001" if p < 0.001 else fixed(p, 3)
+
+
 def seconds(value_s: float | None) -> str:
     """A duration in seconds, whole from 10 s up."""
     return MISSING if value_s is None else fixed(value_s, 0 if value_s >= 10 else 1)

@@ -126,6 +126,7 @@ def _environment() -> Environment:
         "percent": numbers.percent,
         "degrees": numbers.degrees,
         "seconds": numbers.seconds,
+        "p_value": numbers.p_value,
         "fixed": numbers.fixed,
         "angles": _angles,
         "claimed": claimed,

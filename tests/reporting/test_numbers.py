@@ -28,3 +28,10 @@ def test_half_an_interval_is_none() -> None:
 
 def test_seconds_lose_their_decimals_when_long() -> None:
     assert (numbers.seconds(3.14), numbers.seconds(31.4), numbers.seconds(None)) == ("3.1", "31", "–")
+
+
+@pytest.mark.parametrize(
+    ("p", "text"), [(0.0, "< 0.001"), (0.0009, "< 0.001"), (0.001, "0.001"), (0.25, "0.250")]
+)
+def test_a_p_value_is_never_zero(p: float, text: str) -> None:
+    assert numbers.p_value(p) == text

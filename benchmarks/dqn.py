@@ -1,0 +1,97 @@
+"""DQN training: frames a second against acting alone, gradient steps a second against the bare network."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3 import DQN
+
+from pipeline.contract import params
+from pipeline.contract.machine import cores
+from pipeline.learning.device import compute
+from pipeline.qlearning.params import DqnParams, DqnSizes
+from pipeline.qlearning.reach_env import ReachEnv
+from pipeline.sim.camera import viewpoint
+from pipeline.sim.scene import load_scene
+
+SCENE, THETA_DEG, PHI_DEG = "fetch_reach", 45.0, 30.0
+ROUNDS, EPISODES, STEPS = 3, 2, 100
+
+
+def measure() -> list[dict[str, Any]]:
+    """Two rows: medians over rounds in which ours and the peer are measured in turn. No goal is set."""
+    method = params.section(DqnParams, "dqn")
+    sizes = params.section(DqnSizes, "budgets", "quick", "dqn")
+    scene, place = load_scene(SCENE), compute()
+    env = ReachEnv(
+        scene, viewpoint(SCENE, THETA_DEG, PHI_DEG), method.worlds, np.random.default_rng(1), cores()
+    )
+    frames = EPISODES * scene.frames * method.worlds
+    each_step = max(1, method.worlds // sizes.frames_per_step)
+    model = DQN(
+        "CnnPolicy",
+        env,
+        learning_rate=method.learning_rate,
+        buffer_size=frames,
+        learning_starts=0,
+        batch_size=method.batch,
+        train_freq=(1, "step"),
+        gradient_steps=each_step,
+        seed=1,
+        device=place.device,
+    )
+    model.learn(frames // EPISODES)  # also the first call, which compiles
+    pictures = torch.randint(256, (method.batch, 3, 64, 64), device=place.device) / 255.0
+    seconds: dict[str, list[float]] = {"learn": [], "act": [], "train": [], "network": []}
+    for _ in range(ROUNDS):
+        seconds["learn"].append(_seconds(lambda: model.learn(frames)))
+        seconds["act"].append(_seconds(lambda: _act(model, env)))
+        seconds["train"].append(_seconds(lambda: model.train(STEPS, method.batch)))
+        seconds["network"].append(_seconds(lambda: _network_alone(model, pictures)))
+    return [
+        _row("DQN training", "frames/s", frames, seconds["learn"], seconds["act"]),
+        _row("DQN gradient steps", "steps/s", STEPS, seconds["train"], seconds["network"]),
+    ]
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    begin = time.perf_counter()
+    work()
+    return time.perf_counter() - begin
+
+
+def _act(model: DQN, env: ReachEnv) -> None:
+    """The same episodes, acted in and not learned from."""
+    pictures = np.asarray(env.reset())
+    for _ in range(EPISODES * env.frames):
+        chosen, _ = model.predict(pictures, deterministic=True)
+        pictures = np.asarray(env.step(chosen)[0])
+
+
+def _network_alone(model: DQN, pictures: torch.Tensor) -> None:
+    """As many gradient steps of the network on one batch, and once more forward for the target network."""
+    for _ in range(STEPS):
+        values = model.q_net.q_net(model.q_net.features_extractor(pictures))
+        with torch.no_grad():
+            target = model.q_net_target.q_net(model.q_net_target.features_extractor(pictures))
+        model.policy.optimizer.zero_grad()
+        (values - target).square().mean().backward()
+        model.policy.optimizer.step()
+
+
+def _row(work: str, unit: str, amount: int, ours: list[float], peer: list[float]) -> dict[str, Any]:
+    return {
+        "work": work,
+        "scene": SCENE,
+        "ours": amount / statistics.median(ours),
+        "peer": amount / statistics.median(peer),
+        "unit": unit,
+        "ratio": statistics.median(other / mine for mine, other in zip(ours, peer, strict=True)),
+        "goal": 0.0,
+        "holds": True,
+    }
