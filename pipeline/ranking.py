@@ -20,6 +20,7 @@ from pipeline.contract.stage import entry
 from pipeline.stats.branches import read_results
 from pipeline.stats.claims import read_claims
 from pipeline.stats.dqn import read_dqn
+from pipeline.stats.pairs import named, needed_for_first_two, pairs
 from pipeline.stats.params import RankingParams
 from pipeline.stats.ranks import Ranked, rank
 from pipeline.stats.section3 import comparison
@@ -36,13 +37,15 @@ def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, 
     results = read_results(scene, branches, anchors, mix=_mix())
     dqn = read_dqn(branches, list(results.branches))
     rows, fit = rank(results, confidence)
-    verdict = scene_verdict(scene, rows, confidence)
+    compared = pairs(results.returns, fit, confidence)
+    verdict = scene_verdict(scene, rows, confidence, needed_for_first_two(compared, fit))
     content = {
         "scene": scene,
         "confidence": confidence,
         "verdict": asdict(verdict),
         "anchors": {name: float(values.mean()) for name, values in results.anchors.items()},
         "viewpoints": {row.key: {k: v for k, v in asdict(row).items() if k != "key"} for row in rows},
+        "pairs": named(compared, list(results.branches)),
         "spread": fit.errors(),  # no key may be "error": DVC takes it for a metric that failed to load
         **comparison(results, dqn, asked, method),
         "made_with": _joined(results.made_with),

@@ -35,6 +35,13 @@ def percent(share: float | None) -> str:
     return MISSING if share is None else f"{fixed(100 * share, 0)}\u00a0%"
 
 
+def chance(share: float | None) -> str:
+    """A probability as a percentage that is never 0 nor 100."""
+    if share is None:
+        return MISSING
+    return "< 1\u00a0%" if share < 0.01 else "> 99\u00a0%" if share > 0.99 else percent(share)
+
+
 def degrees(value_deg: float) -> str:
     """An angle, with as many decimals as it has."""
     return f"{value_deg:g}°".replace("-", "−")

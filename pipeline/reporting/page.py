@@ -17,7 +17,7 @@ from pipeline.reporting.bands import band
 from pipeline.reporting.pictures import Pictures, read_pictures
 from pipeline.reporting.plots import curve_plots, difference_plot, score_plot
 from pipeline.reporting.provenance import Costs, costs, flat, made_with
-from pipeline.reporting.results import SceneResults, View
+from pipeline.reporting.results import SceneResults, View, short
 from pipeline.reporting.section3 import SYMBOLS, claimed, claims, judges_page
 
 TEMPLATES = Path(__file__).parent / "template"
@@ -127,9 +127,11 @@ def _environment() -> Environment:
         "degrees": numbers.degrees,
         "seconds": numbers.seconds,
         "p_value": numbers.p_value,
+        "chance": numbers.chance,
         "fixed": numbers.fixed,
         "angles": _angles,
         "claimed": claimed,
+        "short": short,
     }
     environment.globals["symbols"] = SYMBOLS
     environment.globals["interval"] = numbers.interval

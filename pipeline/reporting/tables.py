@@ -37,6 +37,7 @@ class Ranked(Table):
     difference_to_best: float | None
     difference_low: float | None
     difference_high: float | None
+    best_chance: float | None
     verdict: Verdict
     duplicates: list[str]
 
@@ -47,6 +48,19 @@ class SceneVerdict(Table):
     kind: Literal["best", "not separated", "not above blind"]
     keys: list[str]
     sentence: str
+
+
+class Pair(Table):
+    """One view less another: returns in metres."""
+
+    first: str
+    second: str
+    difference: float
+    low: float
+    high: float
+    hedges_g: float
+    welch_p: float
+    repeats_needed: int | None
 
 
 class Spread(Table):
@@ -149,6 +163,7 @@ class Ranking(Table):
     confidence: float
     verdict: SceneVerdict
     viewpoints: dict[str, Ranked]
+    pairs: list[Pair]
     spread: Spread
     factorial: Factorial | None
     dqn: Dqn | None

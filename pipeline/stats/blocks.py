@@ -106,7 +106,7 @@ def difference_half_width(fit: TwoWay, confidence: float) -> float | None:
     return quantile * fit.residual.sd / fit.repeats**0.5
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=1024)
 def studentized_range(confidence: float, means: int, df: float) -> float:
     """Tukey's quantile q for so many means; kept, since SciPy integrates for it."""
     return float(stats.studentized_range.ppf(confidence, means, df))

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.stats.best import chance_of_best
 from pipeline.stats.blocks import TwoWay, difference_half_width, mean_half_width, two_way
 from pipeline.stats.branches import Results
 
@@ -30,6 +31,7 @@ class Ranked:
         score_mean, score_low, score_high: the same of the normalised score (0 blind, 1 expert).
         difference_to_best, difference_low, difference_high: mean return less the best view's, with
             Tukey's interval; ``None`` for the best view itself.
+        best_chance: how likely this view is the best (:mod:`pipeline.stats.best`).
         verdict: ``best``, ``not separated``, ``worse`` or ``not above blind``.
         duplicates: other branches with the same viewpoint.
     """
@@ -48,6 +50,7 @@ class Ranked:
     difference_to_best: float | None
     difference_low: float | None
     difference_high: float | None
+    best_chance: float | None
     verdict: str
     duplicates: list[str]
 
@@ -70,6 +73,7 @@ def rank(results: Results, confidence: float) -> tuple[list[Ranked], TwoWay]:
     scores = _around(scores_fit.means, mean_half_width(scores_fit, confidence))
     order = [int(index) for index in np.argsort(-fit.means, kind="stable")]
     gaps = _around(fit.means - fit.means[order[0]], difference_half_width(fit, confidence))
+    chances = chance_of_best(fit) or [None] * len(order)
     table = []
     for place, index in enumerate(order, start=1):
         key, branch = list(results.branches.items())[index]
@@ -84,6 +88,7 @@ def rank(results: Results, confidence: float) -> tuple[list[Ranked], TwoWay]:
                 *returns[index],
                 *scores[index],
                 *gap,
+                best_chance=chances[index],
                 verdict=NOT_SEPARATED,
                 duplicates=results.duplicates[key],
             )

@@ -23,8 +23,13 @@ class Verdict:
     sentence: str
 
 
-def scene_verdict(scene: str, table: Sequence[Ranked], confidence: float) -> Verdict:
-    """The verdict of a scene's table (best first): one view only if it is separated from all others."""
+def scene_verdict(
+    scene: str, table: Sequence[Ranked], confidence: float, needed: int | None = None
+) -> Verdict:
+    """The verdict of a scene's table (best first): one view only if it is separated from all others.
+
+    ``needed`` are the repeats at which a gap as large as that between the first two would be told.
+    """
     first = table[0]
     if first.repeats > 1 and not any(row.above_blind for row in table):
         keys = [row.key for row in table]
@@ -37,7 +42,7 @@ def scene_verdict(scene: str, table: Sequence[Ranked], confidence: float) -> Ver
         return Verdict(BEST, [first.key], _best(first, table[1], confidence))
     # A best view that is not above blind cannot be chosen, even where it is separated in return.
     keys = [row.key for row in table if row.tied or (row.above_blind and not first.above_blind)]
-    return Verdict(NOT_SEPARATED, keys, _not_separated(scene, table, keys))
+    return Verdict(NOT_SEPARATED, keys, _not_separated(scene, table, keys, needed))
 
 
 def _level(confidence: float) -> str:
@@ -55,9 +60,11 @@ def _best(best: Ranked, second: Ranked, confidence: float) -> str:
     )
 
 
-def _not_separated(scene: str, table: Sequence[Ranked], keys: Sequence[str]) -> str:
-    no_error = "one repeat tells no error" if table[0].repeats == 1 else ""
+def _not_separated(scene: str, table: Sequence[Ranked], keys: Sequence[str], needed: int | None) -> str:
+    repeats = table[0].repeats
+    no_error = "one repeat tells no error" if repeats == 1 else ""
     if len(table) == 1:
         why = no_error or "there is nothing to compare it with"
         return f"Not separated: {keys[0]} is the only view of {scene}, and {why}."
-    return f"Not separated: {', '.join(keys)}{'; ' + no_error if no_error else ''}."
+    more = f"about {needed - repeats} more repeats" if needed and needed > repeats else ""
+    return f"Not separated: {'; '.join(part for part in (', '.join(keys), no_error or more) if part)}."

@@ -35,3 +35,12 @@ def test_seconds_lose_their_decimals_when_long() -> None:
 )
 def test_a_p_value_is_never_zero(p: float, text: str) -> None:
     assert numbers.p_value(p) == text
+
+
+def test_a_chance_is_never_certain() -> None:
+    assert [numbers.chance(p) for p in (None, 0.0, 0.25, 0.999)] == [
+        "–",
+        "< 1\u00a0%",
+        "25\u00a0%",
+        "> 99\u00a0%",
+    ]

@@ -23,6 +23,7 @@ from PIL import Image, ImageDraw
 from pipeline import ranking, report
 from pipeline.contract.artefacts import read_json, write_json
 from pipeline.contract.errors import BelvedereError
+from pipeline.reporting.numbers import chance
 
 REPOSITORY = Path(report.__file__).parents[1]
 MADE_WITH = {"device": "cpu", "dtype": "bfloat16", "threads": 2, "torch": "2.13.0", "mujoco": "3.17.0"}
@@ -291,7 +292,8 @@ def test_table_rows_are_the_rankings_numbers(html: str, study: Path) -> None:
             else:
                 assert cells[8] == f"{row['difference_to_best']:.2f}"
                 assert cells[9] == f"{row['difference_low']:.2f} to {row['difference_high']:.2f}"
-            assert cells[10].strip() == row["verdict"]
+            assert cells[10] == chance(row["best_chance"])
+            assert cells[11].strip() == row["verdict"]
     assert set(rows) == named
     assert len(named) == 6
 
