@@ -11,20 +11,25 @@ from pipeline.contract.stage import entry
 from pipeline.reporting.page import render
 from pipeline.reporting.provenance import revision
 from pipeline.reporting.results import read_results
+from pipeline.reporting.tables import Alignment, read
 
 
-def main(*, rankings: Path, branches: Path, anchors: Path, pictures: Path, out: Path) -> None:
+def main(
+    *, rankings: Path, branches: Path, anchors: Path, alignment: Path, pictures: Path, out: Path
+) -> None:
     """Writes the report.
 
     Args:
         rankings: folder of the scenes' rankings.
         branches: folder of the branches' tables, by scene.
         anchors: folder of the scenes' anchors.
+        alignment: the rankings held against people.
         pictures: folder of the branches' pictures; those that are absent are named on the page.
         out: the HTML file.
     """
     scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
-    page = render(scenes, missing, pictures, revision(), _parameters(), _random_frames())
+    people = read(Alignment, alignment, "alignment")
+    page = render(scenes, missing, people, pictures, revision(), _parameters(), _random_frames())
     with writing(out) as aside:
         aside.write_text(page, encoding="utf-8")
 
@@ -44,7 +49,8 @@ def _parameters() -> dict[str, object]:
 
 def _random_frames() -> dict[str, int]:
     """By scene, the frames of a repeat's random episodes."""
-    episodes = params.value("budgets", params.value("budget"), "rollouts", "episodes")
+    sizes = params.value("budgets")[params.value("budget")]
+    episodes = sizes["rollouts"]["episodes"]
     return {name: episodes * scene["frames"] for name, scene in params.value("scenes").items()}
 
 

@@ -22,7 +22,7 @@ from tests.source import ROOT, modules_behind, params_read_by
 PARAMS: dict[str, Any] = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
 STAGES: dict[str, Any] = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
 PER_SCENE = ("ranking", "rollouts", "anchors")
-ONCE = ("report",)
+ONCE = ("report", "alignment")
 
 each_stage = pytest.mark.parametrize("stage", STAGES)
 

@@ -19,6 +19,7 @@ from pipeline.reporting.plots import curve_plots, difference_plot, score_plot
 from pipeline.reporting.provenance import Costs, costs, flat, made_with
 from pipeline.reporting.results import SceneResults, View, short
 from pipeline.reporting.section3 import SYMBOLS, claimed, claims, judges_page
+from pipeline.reporting.tables import Alignment
 
 TEMPLATES = Path(__file__).parent / "template"
 
@@ -39,6 +40,7 @@ class ScenePage:
 def render(
     scenes: Sequence[SceneResults],
     missing: Sequence[str],
+    people: Alignment,
     pictures: Path,
     revision: str,
     parameters: dict[str, Any],
@@ -49,6 +51,7 @@ def render(
     Args:
         scenes: ranked scenes, in the page's order.
         missing: names of scenes not ranked yet.
+        people: the rankings held against people.
         pictures: folder with one folder of pictures per branch.
         revision: the code's revision, in words.
         parameters: what to name under "parameters"; ``budget`` among them.
@@ -63,6 +66,7 @@ def render(
             scenes=[_scene_page(scene, pictures) for scene in scenes],
             judges=[page for s in scenes if (page := judges_page(s, random_frames[s.name])) is not None],
             claims=claims(scenes),
+            people=people,
             missing=missing,
             style=Markup(style),
             style_hash=_hash(style),

@@ -172,6 +172,45 @@ class Ranking(Table):
     made_with: dict[str, Any]
 
 
+class Trial(Table):
+    """People under two views of one task, and the world model's difference between them (m)."""
+
+    source: str
+    scene: str
+    measure: str
+    unit: str
+    first_theta: float
+    first_phi: float
+    second_theta: float
+    second_phi: float
+    first: float
+    second: float
+    p: float
+    p_holm: float
+    people_advantage: float
+    ours: float | None
+    low: float | None
+    high: float | None
+    same_sign: bool | None
+
+
+class Agreement(Table):
+    """How many tasks' signs agree in one measure, and how likely so many are by chance."""
+
+    source: str
+    measure: str
+    tasks: int
+    agree: int
+    chance: float
+
+
+class Alignment(Table):
+    """The rankings held against people, ``reports/alignment.json``."""
+
+    trials: list[Trial]
+    agreements: list[Agreement]
+
+
 class Anchors(Table):
     """What a return means in a scene, ``reports/anchors/{scene}.json``; returns in metres."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -73,7 +74,7 @@ def rank(results: Results, confidence: float) -> tuple[list[Ranked], TwoWay]:
     scores = _around(scores_fit.means, mean_half_width(scores_fit, confidence))
     order = [int(index) for index in np.argsort(-fit.means, kind="stable")]
     gaps = _around(fit.means - fit.means[order[0]], difference_half_width(fit, confidence))
-    chances = chance_of_best(fit) or [None] * len(order)
+    chances: Sequence[float | None] = chance_of_best(fit) or [None] * len(order)
     table = []
     for place, index in enumerate(order, start=1):
         key, branch = list(results.branches.items())[index]

@@ -20,7 +20,7 @@ import pytest
 import yaml
 from PIL import Image, ImageDraw
 
-from pipeline import ranking, report
+from pipeline import alignment, ranking, report
 from pipeline.contract.artefacts import read_json, write_json
 from pipeline.contract.errors import BelvedereError
 from pipeline.reporting.numbers import chance
@@ -69,6 +69,16 @@ def write_study(
             out=folder / f"reports/rankings/{scene}.json",
             table=folder / f"reports/rankings/{scene}.csv",
         )
+    align(folder)
+
+
+def align(folder: Path) -> None:
+    """What the stage `alignment` makes of the rankings."""
+    alignment.main(
+        subjects=REPOSITORY / "data/reference/subjects.csv",
+        rankings=folder / "reports/rankings",
+        out=folder / "reports/alignment.json",
+    )
 
 
 def _write_params(folder: Path, scenes: dict, study: tuple, repeats: int) -> None:
@@ -210,6 +220,7 @@ class _Page(HTMLParser):
 
 Build = Callable[[], str]
 FOLDERS = {name: Path("reports") / name for name in ("rankings", "branches", "anchors", "pictures")}
+FOLDERS["alignment"] = Path("reports/alignment.json")
 PAGE = Path("reports/index.html")
 
 
@@ -421,3 +432,15 @@ def test_nothing_ranked_is_told(build: Build) -> None:
         file.unlink()
     with pytest.raises(BelvedereError, match="holds a ranking of none of the scenes"):
         build()
+
+
+def test_people_stand_beside_the_rankings(html: str, study: Path) -> None:
+    found = read_json(study / "reports/alignment.json", "")
+    label = 'aria-label="People and world model"'
+    body = html.split(label, 1)[1].split("<tbody>", 1)[1].split("</tbody>", 1)[0]
+    rows = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in body.split("<tr>")[1:]]
+    assert [row[0] for row in rows] == [trial["scene"] for trial in found["trials"]]
+    for row, trial in zip(rows, found["trials"], strict=True):
+        assert row[8].replace("−", "-") == ("–" if trial["ours"] is None else f"{trial['ours']:.2f}")
+        assert row[10] == {None: "–", True: "yes", False: "no"}[trial["same_sign"]]
+    assert {trial["scene"] for trial in found["trials"] if trial["ours"] is not None} == {"panda_2dof"}

@@ -1,0 +1,114 @@
+"""Do viewpoints that serve the machine serve people? Signs of differences, task by task.
+
+People's means and p-values come from a table of trials; ours from the rankings. The unit is the task: with
+three of them, three equal signs come by chance once in eight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from scipy import stats
+
+from pipeline.contract.params import Section
+from pipeline.stats.judges import holm
+
+View = tuple[float, float]  # θ, φ in degrees
+
+
+class Trial(Section):
+    """One task and measure: people's means under two views, lower is better."""
+
+    source: str
+    scene: str
+    measure: str
+    unit: str
+    first_theta: float
+    first_phi: float
+    second_theta: float
+    second_phi: float
+    first: float
+    second: float
+    p: float
+
+
+@dataclass(frozen=True)
+class Compared:
+    """People's difference beside ours.
+
+    Attributes:
+        trial: the task and measure, and people's means.
+        p_holm: people's p-value after Holm's correction over all trials of the source.
+        people_advantage: by how much the first view is better for people, share of the second's mean.
+        ours, low, high: by how much the first view's return is higher for the world model, with Tukey's
+            interval (m); ``None`` where a view was not ranked.
+        same_sign: whether both prefer the same view; ``None`` where either does not say.
+    """
+
+    trial: Trial
+    p_holm: float
+    people_advantage: float
+    ours: float | None
+    low: float | None
+    high: float | None
+    same_sign: bool | None
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Of one measure: how many tasks' signs agree, and how likely that is by chance."""
+
+    source: str
+    measure: str
+    tasks: int
+    agree: int
+    chance: float
+
+
+def compare(trials: Sequence[Trial], rankings: Mapping[str, Mapping[str, Any]]) -> list[Compared]:
+    """Each trial beside the ranking of its scene (the content of its JSON file), where there is one."""
+    by_source = {source: [t for t in trials if t.source == source] for source in {t.source for t in trials}}
+    adjusted = {
+        id(trial): p
+        for own in by_source.values()
+        for trial, p in zip(own, holm([t.p for t in own]), strict=True)
+    }
+    return [_compared(trial, adjusted[id(trial)], rankings.get(trial.scene)) for trial in trials]
+
+
+def agreements(compared: Sequence[Compared]) -> list[Agreement]:
+    """By source and measure, in the order in which they come."""
+    groups: dict[tuple[str, str], list[bool]] = {}
+    for row in compared:
+        if row.same_sign is not None:
+            groups.setdefault((row.trial.source, row.trial.measure), []).append(row.same_sign)
+    return [
+        Agreement(
+            source, measure, len(signs), sum(signs), float(stats.binom.sf(sum(signs) - 1, len(signs), 0.5))
+        )
+        for (source, measure), signs in groups.items()
+    ]
+
+
+def _compared(trial: Trial, p_holm: float, ranking: Mapping[str, Any] | None) -> Compared:
+    people = (trial.second - trial.first) / trial.second
+    ours, low, high = _our_difference(trial, ranking) if ranking else (None, None, None)
+    same = None if ours is None or not people else bool((ours > 0) == (people > 0))
+    return Compared(trial, p_holm, people, ours, low, high, same)
+
+
+def _our_difference(
+    trial: Trial, ranking: Mapping[str, Any]
+) -> tuple[float | None, float | None, float | None]:
+    keys = {(v["theta_deg"], v["phi_deg"]): key for key, v in ranking["viewpoints"].items()}
+    first = keys.get((trial.first_theta, trial.first_phi))
+    second = keys.get((trial.second_theta, trial.second_phi))
+    for pair in ranking["pairs"]:
+        gap, low, high = pair["difference"], pair["low"], pair["high"]
+        if (pair["first"], pair["second"]) == (first, second):
+            return gap, low, high
+        if (pair["first"], pair["second"]) == (second, first):
+            return -gap, -high, -low
+    return None, None, None
