@@ -17,6 +17,7 @@ from pipeline.contract import params
 from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.errors import unknown
 from pipeline.contract.stage import entry
+from pipeline.stats.baselines import compare
 from pipeline.stats.branches import read_results
 from pipeline.stats.claims import read_claims
 from pipeline.stats.dqn import read_dqn
@@ -48,6 +49,7 @@ def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, 
         "pairs": named(compared, list(results.branches)),
         "spread": fit.errors(),  # no key may be "error": DVC takes it for a metric that failed to load
         **comparison(results, dqn, asked, method),
+        "baselines": compare(branches, list(results.branches), fit.means),
         "made_with": _joined(results.made_with),
     }
     write_json(out, content)

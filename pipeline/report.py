@@ -8,14 +8,21 @@ from pipeline.contract import params
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import unknown
 from pipeline.contract.stage import entry
-from pipeline.reporting.page import render
+from pipeline.reporting.page import Reference, render
 from pipeline.reporting.provenance import revision
-from pipeline.reporting.results import read_results
+from pipeline.reporting.results import read_coverage, read_results
 from pipeline.reporting.tables import Alignment, read
 
 
 def main(
-    *, rankings: Path, branches: Path, anchors: Path, alignment: Path, pictures: Path, out: Path
+    *,
+    rankings: Path,
+    branches: Path,
+    anchors: Path,
+    alignment: Path,
+    coverage: Path,
+    pictures: Path,
+    out: Path,
 ) -> None:
     """Writes the report.
 
@@ -24,12 +31,13 @@ def main(
         branches: folder of the branches' tables, by scene.
         anchors: folder of the scenes' anchors.
         alignment: the rankings held against people.
+        coverage: how often simulated intervals held.
         pictures: folder of the branches' pictures; those that are absent are named on the page.
         out: the HTML file.
     """
     scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
-    people = read(Alignment, alignment, "alignment")
-    page = render(scenes, missing, people, pictures, revision(), _parameters(), _random_frames())
+    reference = Reference(read(Alignment, alignment, "alignment"), read_coverage(coverage))
+    page = render(scenes, missing, reference, pictures, revision(), _parameters(), _random_frames())
     with writing(out) as aside:
         aside.write_text(page, encoding="utf-8")
 

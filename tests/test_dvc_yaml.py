@@ -191,7 +191,7 @@ def test_a_ranking_waits_for_the_branches_and_anchors_of_its_scene_only() -> Non
         awaited = {
             f"{stage}@{key}"
             for key, viewpoint in branches.items()
-            for stage in ("vae", "mdnrnn", "controller", "evaluation", "dqn")
+            for stage in ("geometry", "vae", "mdnrnn", "controller", "evaluation", "dqn")
             if viewpoint["scene"] == scene and key in STAGES[stage]["foreach"]
         }
         assert graph()[f"ranking@{scene}"] == awaited | {f"anchors@{scene}"}

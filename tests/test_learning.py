@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 
+import numpy as np
 import pytest
+from scipy import stats
 
 from tests.support import Clone
 
@@ -20,3 +23,22 @@ def test_from_a_good_view_the_default_budget_leaves_blind_behind(clone: Clone) -
     assert expert - blind >= 0.5 * (expert - no_op)
     assert len(returned["repeats"]) == len(anchors["repeats"]) == 3
     assert (returned["return_mean"] - blind) / (expert - blind) >= 0.5
+
+
+@pytest.mark.slow
+def test_deep_q_networks_leave_blind_behind(clone: Clone) -> None:
+    """The learner of section III is known to work: its lower 95 % bound over three seeds is above blind."""
+    clone.lend_environment()
+    path = clone.root / "params.yaml"
+    text, scenes = re.subn(r"scenes: \[fetch_reach\]", "scenes: [panda_2dof]", path.read_text())
+    text, repeats = re.subn(r"dqn: \{repeats: 0,", "dqn: {repeats: 3,", text)
+    assert scenes == repeats == 1
+    path.write_text(text)
+    clone.run("dvc", "repro", "anchors@panda_2dof", timeout_s=1800)
+    anchors = json.loads((clone.root / "reports/anchors/panda_2dof.json").read_text())
+    view = ("--scene", "panda_2dof", "--theta", "0", "--phi", "0")
+    outs = ("--out", "e.parquet", "--curve", "c.csv", "--metrics", "dqn.json")
+    clone.run("python", "-m", "pipeline.dqn", *view, *outs, timeout_s=7200)
+    returned = json.loads((clone.root / "dqn.json").read_text())["repeats"]
+    gains = np.array([a["return"] - b["blind"] for a, b in zip(returned, anchors["repeats"], strict=True)])
+    assert stats.ttest_1samp(gains, 0).confidence_interval(0.95).low > 0

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 PARAMS = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
 STAGES = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
 FAN_IN = {f"ranking@{scene}" for scene in PARAMS["scenes"]} | {"alignment", "report"}
-BRANCH_STAGES = ("frames", "vae", "latents", "mdnrnn", "controller", "evaluation", "dqn")
+BRANCH_STAGES = ("frames", "geometry", "vae", "latents", "mdnrnn", "controller", "evaluation", "dqn")
 
 # Inputs are the flags whose paths exist; all other paths are written.
 STAND_IN = """

@@ -17,7 +17,7 @@ from pipeline.reporting.bands import band
 from pipeline.reporting.pictures import Pictures, read_pictures
 from pipeline.reporting.plots import curve_plots, difference_plot, score_plot
 from pipeline.reporting.provenance import Costs, costs, flat, made_with
-from pipeline.reporting.results import SceneResults, View, short
+from pipeline.reporting.results import Coverage, SceneResults, View, short
 from pipeline.reporting.section3 import SYMBOLS, claimed, claims, judges_page
 from pipeline.reporting.tables import Alignment
 
@@ -37,10 +37,23 @@ class ScenePage:
     curves: dict[str, Markup]
 
 
+@dataclass(frozen=True)
+class Reference:
+    """What stands beside the results.
+
+    Attributes:
+        people: the rankings held against people.
+        coverage: how often simulated 95 % intervals held, by population, views and repeats.
+    """
+
+    people: Alignment
+    coverage: list[Coverage]
+
+
 def render(
     scenes: Sequence[SceneResults],
     missing: Sequence[str],
-    people: Alignment,
+    reference: Reference,
     pictures: Path,
     revision: str,
     parameters: dict[str, Any],
@@ -51,7 +64,7 @@ def render(
     Args:
         scenes: ranked scenes, in the page's order.
         missing: names of scenes not ranked yet.
-        people: the rankings held against people.
+        reference: what stands beside the results.
         pictures: folder with one folder of pictures per branch.
         revision: the code's revision, in words.
         parameters: what to name under "parameters"; ``budget`` among them.
@@ -66,7 +79,8 @@ def render(
             scenes=[_scene_page(scene, pictures) for scene in scenes],
             judges=[page for s in scenes if (page := judges_page(s, random_frames[s.name])) is not None],
             claims=claims(scenes),
-            people=people,
+            people=reference.people,
+            coverage=reference.coverage,
             missing=missing,
             style=Markup(style),
             style_hash=_hash(style),

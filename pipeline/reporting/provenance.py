@@ -13,7 +13,7 @@ from pipeline.contract import scratch
 from pipeline.reporting.results import SceneResults
 
 SCENE_STAGES = ("rollouts", "anchors", "ranking")
-BRANCH_STAGES = ("frames", "vae", "latents", "mdnrnn", "controller", "evaluation")
+BRANCH_STAGES = ("frames", "geometry", "vae", "latents", "mdnrnn", "controller", "evaluation")
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,12 @@ class Costs:
     machines: tuple[str, ...]
     total_s: float
     missing: int
+
+    def mean_of(self, stage: str, scene: SceneResults) -> float | None:
+        """Mean seconds of a stage over the scene's views; ``None`` where none is recorded."""
+        column = self.stages.index(stage)
+        known = [s for view in scene.views if (s := self.rows[view.key][column]) is not None]
+        return sum(known) / len(known) if known else None
 
 
 def revision(folder: Path = Path()) -> str:

@@ -44,6 +44,31 @@ class SceneResults:
     views: tuple[View, ...]
 
 
+@dataclass(frozen=True)
+class Coverage:
+    """How often 95 % intervals held in simulated tables: shares of views' means and of whole tables."""
+
+    population: str
+    views: int
+    repeats: int
+    means: float
+    differences: float
+
+
+def read_coverage(path: Path) -> list[Coverage]:
+    """The simulated coverages.
+
+    Raises:
+        BelvedereError: the file is missing or foreign.
+    """
+    try:
+        return [Coverage(**row) for row in pl.read_csv(path).to_dicts()]
+    except (FileNotFoundError, TypeError, pl.exceptions.PolarsError):
+        raise BelvedereError(
+            f"{path} is missing or holds no table of coverages; `python -m benchmarks.coverage` makes it."
+        ) from None
+
+
 def read_results(
     scenes: Sequence[str], rankings: Path, branches: Path, anchors: Path
 ) -> tuple[list[SceneResults], list[str]]:

@@ -63,6 +63,17 @@ class Pair(Table):
     repeats_needed: int | None
 
 
+class Baseline(Table):
+    """A cheap number of each view, and how its order agrees with the world model's."""
+
+    name: str
+    stage: str
+    values: dict[str, float]
+    tau: float | None
+    p: float | None
+    same_sign: bool | None
+
+
 class Spread(Table):
     """The spread of one training (m): about a view's own mean, and in differences between views."""
 
@@ -169,6 +180,7 @@ class Ranking(Table):
     dqn: Dqn | None
     judges: Judges | None
     claims: list[Claim]
+    baselines: list[Baseline]
     made_with: dict[str, Any]
 
 

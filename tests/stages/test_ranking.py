@@ -13,6 +13,7 @@ import yaml
 
 from pipeline import ranking
 from pipeline.contract.errors import BelvedereError
+from pipeline.stats.baselines import BASELINES
 
 MADE_WITH = {
     "device": "cpu", "dtype": "bfloat16", "threads": 2, "python": "3.11.7", "torch": "2.13.0",
@@ -46,6 +47,9 @@ class Written:
         repeats = [{"repeat": r, "return": value} for r, value in enumerate(returns)]
         content = {"scene": "reach", "theta_deg": float(theta), "phi_deg": float(phi), "repeats": repeats}
         self.write(f"branches/{key}/evaluation.json", {**content, "made_with": MADE_WITH})
+        for stage in ("geometry", "vae"):
+            numbers = {b.entry: abs(theta - phi) + 1.0 for b in BASELINES if b.stage == stage}
+            self.write(f"branches/{key}/{stage}.json", numbers)
 
     def write_params(self) -> None:
         Path("params.yaml").write_text(yaml.safe_dump(self.params, sort_keys=False))

@@ -24,6 +24,7 @@ from pipeline import alignment, ranking, report
 from pipeline.contract.artefacts import read_json, write_json
 from pipeline.contract.errors import BelvedereError
 from pipeline.reporting.numbers import chance
+from pipeline.stats.baselines import BASELINES
 
 REPOSITORY = Path(report.__file__).parents[1]
 MADE_WITH = {"device": "cpu", "dtype": "bfloat16", "threads": 2, "torch": "2.13.0", "mujoco": "3.17.0"}
@@ -135,6 +136,8 @@ def _write_branch(
     vae |= {f"{name}_mean": float(rng.uniform(0, 1)) for name in SHARES}
     vae |= {f"{name}_mean": float(rng.uniform(8, 40)) for name in VAE}
     write_json(folder / "vae.json", {**head, **vae, "repeats": []})
+    cheap = {b.entry: float(rng.uniform(0.1, 1)) for b in BASELINES if b.stage == "geometry"}
+    write_json(folder / "geometry.json", {**head, **cheap})
     nll = {"heldout_nll_mean": 12.3 + place, "heldout_nll_of_last_frame_mean": 20.6}
     write_json(folder / "mdnrnn.json", {**head, **nll, "repeats": []})
     _curve(level, repeats, rng).write_csv(folder / "controller.csv")
@@ -220,7 +223,10 @@ class _Page(HTMLParser):
 
 Build = Callable[[], str]
 FOLDERS = {name: Path("reports") / name for name in ("rankings", "branches", "anchors", "pictures")}
-FOLDERS["alignment"] = Path("reports/alignment.json")
+FOLDERS |= {
+    "alignment": Path("reports/alignment.json"),
+    "coverage": REPOSITORY / "data/reference/coverage.csv",
+}
 PAGE = Path("reports/index.html")
 
 
@@ -444,3 +450,19 @@ def test_people_stand_beside_the_rankings(html: str, study: Path) -> None:
         assert row[8].replace("−", "-") == ("–" if trial["ours"] is None else f"{trial['ours']:.2f}")
         assert row[10] == {None: "–", True: "yes", False: "no"}[trial["same_sign"]]
     assert {trial["scene"] for trial in found["trials"] if trial["ours"] is not None} == {"panda_2dof"}
+
+
+def test_baselines_are_the_rankings(html: str, study: Path) -> None:
+    for scene in ("panda_2dof", "fetch_reach"):
+        ranked = read_json(study / f"reports/rankings/{scene}.json", "")
+        body = (
+            html.split(f'aria-label="Baselines of {scene}"', 1)[1]
+            .split("<tbody>", 1)[1]
+            .split("</tbody>", 1)[0]
+        )
+        rows = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in body.split("<tr>")[1:]]
+        order = sorted(ranked["viewpoints"], key=lambda key: ranked["viewpoints"][key]["rank"])
+        assert len(rows) == len(ranked["baselines"]) == len(BASELINES)
+        for row, found in zip(rows, ranked["baselines"], strict=True):
+            assert row[1 : 1 + len(order)] == [f"{found['values'][key]:.3g}" for key in order]
+            assert row[1 + len(order)].replace("−", "-") == f"{found['tau']:.2f}"

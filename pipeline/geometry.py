@@ -1,0 +1,46 @@
+"""Measures what geometry alone says of one viewpoint: projected motion, visibility, misalignment."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.baselines.motion import image_jacobian, singular_values
+from pipeline.baselines.visibility import visibility
+from pipeline.contract import zarrs
+from pipeline.contract.artefacts import write_json
+from pipeline.contract.stage import entry
+from pipeline.sim.camera import viewpoint
+from pipeline.sim.scene import load_scene
+from pipeline.sim.sight import PICTURE_SIZE
+
+_STATES = 512  # of the first repeat's random episodes, evenly picked
+
+
+def main(*, scene: str, theta: float, phi: float, rollouts: Path, out: Path) -> None:
+    """Writes the viewpoint's numbers: means over states of the scene's random episodes."""
+    compiled, view = load_scene(scene), viewpoint(scene, theta, phi)
+    store = zarrs.Store(rollouts, zarrs.ROLLOUTS, f"rollouts@{scene}")
+    qpos, tip = store.repeat("qpos", 0), store.repeat("tip", 0)
+    target = np.repeat(store.repeat("target", 0)[:, None], tip.shape[1], axis=1)
+    picked = np.unique(np.linspace(0, tip.shape[0] * tip.shape[1] - 1, _STATES).astype(int))
+    qpos, tip, target = (a.reshape(-1, a.shape[-1])[picked] for a in (qpos, tip, target))
+    values = singular_values(image_jacobian(compiled, view, tip.astype(np.float64), PICTURE_SIZE))
+    seen = {name: visibility(compiled, view, qpos, at) for name, at in (("tip", tip), ("target", target))}
+    numbers: dict[str, object] = {
+        "scene": scene,
+        "theta_deg": theta,
+        "phi_deg": phi,
+        "motion_smallest_px_per_m": float(values[:, -1].mean()),
+        "motion_log_det": float(np.log(np.maximum(values, 1e-9)).sum(axis=1).mean()),
+        "pan_misalignment_deg": abs((theta + 180) % 360 - 180),
+    }
+    for name, found in seen.items():
+        numbers |= {f"{name}_seen_share": found.seen_share, f"{name}_in_frame_share": found.in_frame_share}
+        numbers[f"{name}_pixels"] = found.pixels
+    write_json(out, numbers)
+
+
+if __name__ == "__main__":
+    entry(main)
