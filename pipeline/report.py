@@ -8,6 +8,7 @@ from pipeline.contract import params
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import unknown
 from pipeline.contract.stage import entry
+from pipeline.reporting import twins
 from pipeline.reporting.page import Reference, render
 from pipeline.reporting.provenance import revision
 from pipeline.reporting.results import read_coverage, read_results
@@ -23,6 +24,7 @@ def main(
     coverage: Path,
     pictures: Path,
     out: Path,
+    tables: Path,
 ) -> None:
     """Writes the report.
 
@@ -34,10 +36,12 @@ def main(
         coverage: how often simulated intervals held.
         pictures: folder of the branches' pictures; those that are absent are named on the page.
         out: the HTML file.
+        tables: folder of the page's tables as CSV and JSON.
     """
     scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
     reference = Reference(read(Alignment, alignment, "alignment"), read_coverage(coverage))
     page = render(scenes, missing, reference, pictures, revision(), _parameters(), _random_frames())
+    twins.write(tables, twins.tables(scenes, reference.people))
     with writing(out) as aside:
         aside.write_text(page, encoding="utf-8")
 

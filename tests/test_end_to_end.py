@@ -63,7 +63,9 @@ def test_one_scene_from_nothing_to_a_ranking_and_a_report(clone: Clone) -> None:
     paths = ("rankings", "branches", "anchors", "pictures")
     flags = ["--alignment", held, "--coverage", "data/reference/coverage.csv"]
     flags += [part for name in paths for part in (f"--{name}", f"reports/{name}")]
-    clone.run("python", "-m", "pipeline.report", *flags, "--out", "reports/index.html")
+    clone.run(
+        "python", "-m", "pipeline.report", *flags, "--out", "reports/index.html", "--tables", "reports/tables"
+    )
     page = (clone.root / "reports/index.html").read_text()
     assert all(key in page for key in BRANCHES)
 

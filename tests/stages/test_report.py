@@ -227,11 +227,11 @@ FOLDERS |= {
     "alignment": Path("reports/alignment.json"),
     "coverage": REPOSITORY / "data/reference/coverage.csv",
 }
-PAGE = Path("reports/index.html")
+PAGE, TABLES = Path("reports/index.html"), Path("reports/tables")
 
 
 def _build() -> str:
-    report.main(**FOLDERS, out=PAGE)
+    report.main(**FOLDERS, out=PAGE, tables=TABLES)
     return PAGE.read_text(encoding="utf-8")
 
 
@@ -344,7 +344,7 @@ def test_same_inputs_give_the_same_bytes_in_another_process(html: str, study: Pa
         "PYTHONHASHSEED": "5",
         "BELVEDERE_SCRATCH": str(study / "scratch"),
     }
-    command = [sys.executable, "-m", "pipeline.report", *flags, "--out", "again.html"]
+    command = [sys.executable, "-m", "pipeline.report", *flags, "--out", "again.html", "--tables", "again"]
     subprocess.run(command, cwd=study, env=environment, check=True)
     assert (study / "again.html").read_bytes() == html.encode()
 
@@ -466,3 +466,20 @@ def test_baselines_are_the_rankings(html: str, study: Path) -> None:
         for row, found in zip(rows, ranked["baselines"], strict=True):
             assert row[1 : 1 + len(order)] == [f"{found['values'][key]:.3g}" for key in order]
             assert row[1 + len(order)].replace("−", "-") == f"{found['tau']:.2f}"
+
+
+def test_every_table_has_its_twins(html: str, study: Path) -> None:
+    """Unrounded, the same numbers as on the page; the ranking's are those of the ranking stage."""
+    names = {path.stem for path in (study / TABLES).iterdir()}
+    expected = "ranking pairs anchors world_models baselines effects claims people agreements"
+    assert names == set(expected.split())
+    for name in names:
+        rows = json.loads((study / TABLES / f"{name}.json").read_text(encoding="utf-8"))
+        table = pl.read_csv(study / TABLES / f"{name}.csv", infer_schema_length=None)
+        assert table.columns == list(rows[0]) and table.height == len(rows)
+    for row in json.loads((study / TABLES / "ranking.json").read_text()):
+        ranked = read_json(study / f"reports/rankings/{row['scene']}.json", "")["viewpoints"][row["view"]]
+        assert {key: row[key] for key in ranked if key != "duplicates"} == {
+            key: value for key, value in ranked.items() if key != "duplicates"
+        }
+        assert f"<td>{row['rank']}</td>" in html

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ import pytest
 from pipeline import ranking, report
 from pipeline.contract.artefacts import write_json
 from pipeline.reporting.numbers import interval, score
-from tests.stages.test_report import FOLDERS, MADE_WITH, PAGE, REPOSITORY, VIEWS, write_study
+from tests.stages.test_report import FOLDERS, MADE_WITH, PAGE, REPOSITORY, TABLES, VIEWS, write_study
 
 SCENE = "fetch_reach"
 
@@ -50,17 +50,32 @@ def rank(folder: Path) -> dict:
     return json.loads(out.read_text())
 
 
-@pytest.fixture
-def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], str]:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("BELVEDERE_SCRATCH", str(tmp_path / "scratch"))
-    write_study(tmp_path, {SCENE: VIEWS[SCENE]})
+@dataclass(frozen=True)
+class Page:
+    """A page, and what the scene's ranking says."""
 
-    def page() -> str:
-        report.main(**FOLDERS, out=PAGE)
-        return Path(PAGE).read_text(encoding="utf-8")
+    html: str
+    ranking: dict
+    folder: Path
 
-    return page
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Page]:
+    """The page of one study, before and after networks were trained."""
+    folder = tmp_path_factory.mktemp("judges")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.setenv("BELVEDERE_SCRATCH", str(folder / "scratch"))
+        write_study(folder, {SCENE: VIEWS[SCENE]})
+        before = built(folder)
+        write_networks(folder)
+        return {"without": before, "with": built(folder)}
+
+
+def built(folder: Path) -> Page:
+    content = rank(folder)
+    report.main(**FOLDERS, out=PAGE, tables=TABLES)
+    return Page(Path(PAGE).read_text(encoding="utf-8"), content, folder)
 
 
 def rows(html: str, label: str) -> list[list[str]]:
@@ -71,18 +86,16 @@ def rows(html: str, label: str) -> list[list[str]]:
     return [[re.sub(r"<[^>]+>", "", cell).strip() for cell in row] for row in cells]
 
 
-def test_without_networks_the_page_says_how_to_train_them(study: Callable[[], str]) -> None:
-    html = study()
+def test_without_networks_the_page_says_how_to_train_them(pages: dict[str, Page]) -> None:
+    html = pages["without"].html
     assert "DQN not run at this budget" in html
     assert "<code>./run dvc exp run -S budgets.quick.dqn.repeats=3</code>" in html
     findings = rows(html, "Findings")
     assert [row[-1] for row in findings if row[2] != "world model"] == ["not run"] * 3
 
 
-def test_with_networks_every_number_is_the_rankings(study: Callable[[], str], tmp_path: Path) -> None:
-    write_networks(tmp_path)
-    content = rank(tmp_path)
-    html = study()
+def test_with_networks_every_number_is_the_rankings(pages: dict[str, Page]) -> None:
+    html, content = pages["with"].html, pages["with"].ranking
     assert "DQN not run" not in html
     for part, label in (
         ("factorial", f"World model: effects of pan θ and tilt φ on the normalised score in {SCENE}"),
@@ -108,13 +121,11 @@ def test_with_networks_every_number_is_the_rankings(study: Callable[[], str], tm
     assert html.count("<figcaption>DQN, θ = ") == html.count("<figcaption>world model, θ = ") == 3
 
 
-def test_equal_frames_count_what_the_world_model_saw_before(study: Callable[[], str], tmp_path: Path) -> None:
-    write_networks(tmp_path)
-    rank(tmp_path)
-    html = study()
+def test_equal_frames_count_what_the_world_model_saw_before(pages: dict[str, Page]) -> None:
+    html, folder = pages["with"].html, pages["with"].folder
     frames = float(re.search(r"after equally many frames \((\d+), in training\)", html)[1])
-    controller = pl.read_csv(tmp_path / f"reports/branches/{SCENE}/{SCENE}-a/controller.csv")
-    networks = pl.read_csv(tmp_path / f"reports/branches/{SCENE}/{SCENE}-a/dqn.csv")
+    controller = pl.read_csv(folder / f"reports/branches/{SCENE}/{SCENE}-a/controller.csv")
+    networks = pl.read_csv(folder / f"reports/branches/{SCENE}/{SCENE}-a/dqn.csv")
     random_frames = 20 * 50  # episodes by frames, as write_study says
     assert frames == min(controller["frames"].max() + random_frames, networks["frames"].max())
     (row,) = [row for row in rows(html, f"Both judges in {SCENE}") if row[0] == "a"]
