@@ -1,4 +1,7 @@
-"""The tables that the report reads: rankings, anchors and metrics of branches, checked as they are read."""
+"""The tables that the report reads: rankings, anchors and metrics of branches, checked as they are read.
+
+What a statistic returns is read back as what it was.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,10 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError
+from pipeline.stats.alignment import Agreement
+from pipeline.stats.baselines import Compared
+from pipeline.stats.factorial import Factorial, FTest
+from pipeline.stats.judges import EffectByJudge
 
 
 class Table(BaseModel):
@@ -63,17 +70,6 @@ class Pair(Table):
     repeats_needed: int | None
 
 
-class Baseline(Table):
-    """A cheap number of each view, and how its order agrees with the world model's."""
-
-    name: str
-    stage: str
-    values: dict[str, float]
-    tau: float | None
-    p: float | None
-    same_sign: bool | None
-
-
 class Spread(Table):
     """The spread of one training (m): about a view's own mean, and in differences between views."""
 
@@ -81,37 +77,6 @@ class Spread(Table):
     df: float | None
     residual_sd: float | None
     residual_df: float | None
-
-
-class FTest(Table):
-    """An F test."""
-
-    df: float
-    df_error: float
-    f: float
-    p: float
-
-
-class Effect(Table):
-    """One level of a factor less another, in normalised score."""
-
-    factor: Literal["theta", "phi"]
-    first_deg: float
-    second_deg: float
-    difference: float
-    low: float
-    high: float
-    equivalence_low: float
-    equivalence_high: float
-    word: str
-
-
-class Factorial(Table):
-    """What pan and tilt change in one judge's normalised scores."""
-
-    margin: float
-    tests: dict[str, FTest]
-    effects: list[Effect]
 
 
 class DqnView(Table):
@@ -132,23 +97,11 @@ class Dqn(Table):
     factorial: Factorial | None
 
 
-class JudgeEffect(Table):
-    """An effect in the world model's scores less the same in the deep Q-networks'."""
-
-    factor: Literal["theta", "phi"]
-    first_deg: float
-    second_deg: float
-    difference: float
-    low: float
-    high: float
-    p: float
-
-
 class Judges(Table):
     """Whether what a view gives depends on the judge."""
 
     test: FTest | None
-    effects: list[JudgeEffect]
+    effects: list[EffectByJudge]
 
 
 class Claim(Table):
@@ -180,7 +133,7 @@ class Ranking(Table):
     dqn: Dqn | None
     judges: Judges | None
     claims: list[Claim]
-    baselines: list[Baseline]
+    baselines: list[Compared]
     made_with: dict[str, Any]
 
 
@@ -204,16 +157,6 @@ class Trial(Table):
     low: float | None
     high: float | None
     same_sign: bool | None
-
-
-class Agreement(Table):
-    """How many tasks' signs agree in one measure, and how likely so many are by chance."""
-
-    source: str
-    measure: str
-    tasks: int
-    agree: int
-    chance: float
 
 
 class Alignment(Table):

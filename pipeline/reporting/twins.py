@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ import polars as pl
 
 from pipeline.contract.artefacts import writing
 from pipeline.reporting.results import SceneResults
-from pipeline.reporting.tables import Alignment, Factorial
+from pipeline.reporting.tables import Alignment
+from pipeline.stats.factorial import Factorial
 
 Row = dict[str, Any]
 
@@ -28,7 +30,7 @@ def tables(scenes: Sequence[SceneResults], people: Alignment) -> dict[str, list[
         "dqn": [row for scene in scenes for row in _dqn(scene)],
         "claims": [claim.model_dump() for scene in scenes for claim in scene.ranking.claims],
         "people": [trial.model_dump() for trial in people.trials],
-        "agreements": [agreement.model_dump() for agreement in people.agreements],
+        "agreements": [asdict(agreement) for agreement in people.agreements],
     }
     return {name: rows for name, rows in found.items() if rows}
 
@@ -77,10 +79,10 @@ def _effects(scene: SceneResults) -> Iterator[Row]:
     }
     for judge, found in judged.items():
         for effect in found.effects if found else ():
-            yield {"scene": scene.name, "judge": judge, **effect.model_dump(), "p_holm": None}
+            yield {"scene": scene.name, "judge": judge, **asdict(effect), "p_holm": None}
     for step in ranking.judges.effects if ranking.judges else ():
         nothing = dict.fromkeys(("equivalence_low", "equivalence_high", "word"))
-        row = step.model_dump()
+        row = asdict(step)
         p = row.pop("p")
         yield {"scene": scene.name, "judge": "world model over dqn", **row, **nothing, "p_holm": p}
 
