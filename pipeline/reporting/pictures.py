@@ -50,9 +50,9 @@ def read_pictures(folder: Path, key: str) -> Pictures:
         BelvedereError: a file is there but is no picture.
     """
     return Pictures(
-        large=_shrunk(folder / "view.png", LARGE_WIDTH, f"frames@{key}"),
-        thumbnail=_shrunk(folder / "view.png", THUMBNAIL_WIDTH, f"frames@{key}"),
-        small=_as_it_is(folder / "view_64.png", f"frames@{key}"),
+        large=_shrunk(folder / "view" / "view.png", LARGE_WIDTH, f"frames@{key}"),
+        thumbnail=_shrunk(folder / "view" / "view.png", THUMBNAIL_WIDTH, f"frames@{key}"),
+        small=_as_it_is(folder / "view" / "view_64.png", f"frames@{key}"),
         reconstructions=_as_it_is(folder / "reconstructions.png", f"vae@{key}"),
         clip=_clip(folder / "clip.webp", f"evaluation@{key}"),
     )

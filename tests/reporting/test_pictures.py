@@ -22,14 +22,16 @@ def _decoded(uri: str) -> Image.Image:
 
 def test_small_picture_comes_through_pixel_by_pixel(tmp_path: Path) -> None:
     pixels = np.random.default_rng(3).integers(0, 256, (64, 64, 3), dtype=np.uint8)
-    Image.fromarray(pixels).save(tmp_path / "view_64.png")
+    (tmp_path / "view").mkdir(exist_ok=True)
+    Image.fromarray(pixels).save(tmp_path / "view" / "view_64.png")
     small = read_pictures(tmp_path, "study").small
     assert small is not None and (small.width, small.height) == (64, 64)
     np.testing.assert_array_equal(np.asarray(_decoded(small.uri)), pixels)
 
 
 def test_large_picture_is_shrunk_in_proportion(tmp_path: Path) -> None:
-    Image.new("RGB", (1280, 960), (200, 30, 30)).save(tmp_path / "view.png")
+    (tmp_path / "view").mkdir(exist_ok=True)
+    Image.new("RGB", (1280, 960), (200, 30, 30)).save(tmp_path / "view" / "view.png")
     pictures = read_pictures(tmp_path, "study")
     for picture, width in ((pictures.large, LARGE_WIDTH), (pictures.thumbnail, THUMBNAIL_WIDTH)):
         assert picture is not None
@@ -54,8 +56,9 @@ def test_nothing_there_is_no_error(tmp_path: Path) -> None:
 
 def test_truncated_picture_is_told(tmp_path: Path) -> None:
     pixels = np.random.default_rng(3).integers(0, 256, (64, 64, 3), dtype=np.uint8)
-    Image.fromarray(pixels).save(tmp_path / "view_64.png")
-    whole = (tmp_path / "view_64.png").read_bytes()
-    (tmp_path / "view_64.png").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "view").mkdir(exist_ok=True)
+    Image.fromarray(pixels).save(tmp_path / "view" / "view_64.png")
+    whole = (tmp_path / "view" / "view_64.png").read_bytes()
+    (tmp_path / "view" / "view_64.png").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(BelvedereError, match=r"view_64\.png is no picture; .*frames@study"):
         read_pictures(tmp_path, "study")

@@ -154,10 +154,10 @@ def _curve(level: float, repeats: int, rng: np.random.Generator) -> pl.DataFrame
 
 
 def _write_pictures(folder: Path, angles: tuple) -> None:
-    folder.mkdir(parents=True)
+    (folder / "view").mkdir(parents=True)
     large = _drawn(640, 480, angles, 0.3)
-    large.save(folder / "view.png")
-    large.crop((80, 0, 560, 480)).resize((64, 64)).save(folder / "view_64.png")
+    large.save(folder / "view" / "view.png")
+    large.crop((80, 0, 560, 480)).resize((64, 64)).save(folder / "view" / "view_64.png")
     grid = Image.new("RGB", (512, 128))
     for column in range(8):
         for row in range(2):
@@ -357,7 +357,7 @@ def test_lengths_are_written_in_centimetres(build: Build) -> None:
 
 
 def test_absent_pictures_are_named_with_the_stage_that_makes_them(build: Build) -> None:
-    for name in ("view.png", "view_64.png", "reconstructions.png", "clip.webp"):
+    for name in ("view/view.png", "view/view_64.png", "reconstructions.png", "clip.webp"):
         Path("reports/pictures/fetch_reach-b", name).unlink()
     text = _Page(build()).text
     for stage, times in (("frames", 2), ("vae", 1), ("evaluation", 1)):
@@ -417,7 +417,7 @@ def test_duplicate_is_named_and_not_ranked_twice(
         ("branches/panda_2dof/study/controller.csv", "a,b\n1,2\n", "no learning curve"),
         ("branches/panda_2dof/study/controller.csv", "repeat,generation,frames,mean,best\n", "no generation"),
         ("anchors/panda_2dof.json", None, "dvc repro anchors@panda_2dof"),
-        ("pictures/study/view.png", "no picture", "dvc repro frames@study"),
+        ("pictures/study/view/view.png", "no picture", "dvc repro frames@study"),
         ("pictures/study/clip.webp", "no clip", "dvc repro evaluation@study"),
     ],
 )
