@@ -14,6 +14,7 @@ from stable_baselines3 import DQN
 from pipeline.contract import params
 from pipeline.contract.machine import cores
 from pipeline.learning.device import compute
+from pipeline.qlearning.judge import network
 from pipeline.qlearning.params import DqnParams, DqnSizes
 from pipeline.qlearning.reach_env import ReachEnv
 from pipeline.sim.camera import viewpoint
@@ -32,19 +33,9 @@ def measure() -> list[dict[str, Any]]:
         scene, viewpoint(SCENE, THETA_DEG, PHI_DEG), method.worlds, np.random.default_rng(1), cores()
     )
     frames = EPISODES * scene.frames * method.worlds
-    each_step = max(1, method.worlds // sizes.frames_per_step)
-    model = DQN(
-        "CnnPolicy",
-        env,
-        learning_rate=method.learning_rate,
-        buffer_size=frames,
-        learning_starts=0,
-        batch_size=method.batch,
-        train_freq=(1, "step"),
-        gradient_steps=each_step,
-        seed=1,
-        device=place.device,
-    )
+    sizes = sizes.model_copy(update={"frames": frames, "memory": frames})
+    model = network(env, method, sizes, place, 1)
+    model.learning_starts = 0  # each call begins to count anew, and is to learn from its first frame
     model.learn(frames // EPISODES)  # also the first call, which compiles
     pictures = torch.randint(256, (method.batch, 3, 64, 64), device=place.device) / 255.0
     seconds: dict[str, list[float]] = {"learn": [], "act": [], "train": [], "network": []}

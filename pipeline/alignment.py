@@ -21,11 +21,8 @@ def main(*, subjects: Path, rankings: Path, out: Path) -> None:
     found = {scene: rankings / f"{scene}.json" for scene in params.value("scenes")}
     contents = {s: read_json(path, f"ranking@{s}") for s, path in found.items() if path.is_file()}
     compared = compare(trials, contents)
-    rows = [
-        {**row.trial.model_dump(), **{k: v for k, v in asdict(row).items() if k != "trial"}}
-        for row in compared
-    ]
-    write_json(out, {"trials": rows, "agreements": [asdict(found) for found in agreements(compared)]})
+    counted = [asdict(found) for found in agreements(compared)]
+    write_json(out, {"trials": [row.model_dump() for row in compared], "agreements": counted})
 
 
 def read_trials(path: Path) -> list[Trial]:

@@ -12,20 +12,19 @@ from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.machine import cores
 from pipeline.contract.seeds import Stream
 from pipeline.contract.stage import entry
-from pipeline.control.anchors import play
-from pipeline.control.outcomes import evaluation_episodes, made_with, means, outcomes
+from pipeline.control.outcomes import evaluation_episodes, made_with, means
 from pipeline.control.params import EvaluationSizes
 from pipeline.learning.device import Compute, compute
 from pipeline.learning.repeats import code_digest, finished
 from pipeline.qlearning.actions import best_restricted_expert
-from pipeline.qlearning.judge import fit, greedy, memory_bytes
+from pipeline.qlearning.judge import fit, memory_bytes
 from pipeline.qlearning.params import DqnParams, DqnSizes
 from pipeline.qlearning.reach_env import ReachEnv
 from pipeline.qlearning.tables import CURVE, EPISODES
+from pipeline.qlearning.trial import tried
 from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene, load_scene
-from pipeline.sim.worlds import Worlds
 
 CODE = ("contract", "control", "learning", "qlearning", "sim", "dqn.py")
 
@@ -36,10 +35,10 @@ def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metric
     method, sizes = params.section(DqnParams, "dqn"), params.budget_section(DqnSizes, "dqn")
     wanted = range(sizes.repeats if scene in method.scenes else 0)
     results = [train_repeat(compiled, view, place, method, sizes, repeat) for repeat in wanted]
-    episodes = pl.concat(
-        [pl.DataFrame(schema=EPISODES), *(pl.read_parquet(r / "e.parquet") for r in results)]
+    episodes, curves = (
+        pl.concat([pl.DataFrame(schema=schema), *(pl.read_parquet(r / name) for r in results)])
+        for name, schema in (("episodes.parquet", EPISODES), ("curve.parquet", CURVE))
     )
-    curves = pl.concat([pl.DataFrame(schema=CURVE), *(pl.read_parquet(r / "curve.parquet") for r in results)])
     with writing(out) as aside:
         episodes.write_parquet(aside)
     with writing(curve) as aside:
@@ -52,7 +51,7 @@ def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metric
 def train_repeat(
     scene: Scene, view: Viewpoint, place: Compute, method: DqnParams, sizes: DqnSizes, repeat: int
 ) -> Path:
-    """The scratch folder of a repeat's finished ``e.parquet`` (episodes) and ``curve.parquet``."""
+    """The scratch folder of a repeat's finished ``episodes.parquet`` and ``curve.parquet``."""
     seed, count = params.seed(), params.budget_section(EvaluationSizes, "evaluation").episodes
 
     def make(results: Path, running: Path) -> None:
@@ -62,12 +61,8 @@ def train_repeat(
         network_seed = seeds.integer(seed, repeat, Stream.DQN)
         trained = fit(env, method, sizes, place, network_seed, f"dqn, repeat {repeat}")
         episodes = evaluation_episodes(scene, count, seed, repeat)
-        worlds = Worlds(scene, count, cores())
-        _, best = play(worlds, episodes, expert)
-        tips, reward = play(worlds, episodes, greedy(trained.model, scene, view, count, cores()))
-        table = outcomes(repeat, episodes, tips, reward)
-        table = table.with_columns(pl.Series("expert_return", best.sum(axis=1)))
-        table.select(pl.col(n).cast(t) for n, t in EPISODES.items()).write_parquet(results / "e.parquet")
+        table = tried(trained.model, expert, scene, view, episodes, repeat, cores())
+        table.write_parquet(results / "episodes.parquet")
         rows = trained.curve.with_columns(pl.lit(repeat).alias("repeat"))
         rows.select(pl.col(n).cast(t) for n, t in CURVE.items()).write_parquet(results / "curve.parquet")
 
@@ -78,8 +73,7 @@ def train_repeat(
 
 
 def _numbers(rows: pl.DataFrame) -> dict[str, Any]:
-    names = ("final_distance_m", "within_5cm", "expert_return")
-    return {"return": rows["return"].mean(), **{name: rows[name].mean() for name in names}}
+    return {name: rows[name].mean() for name in ("return", "final_distance_m", "within_5cm", "expert_return")}
 
 
 if __name__ == "__main__":

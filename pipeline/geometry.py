@@ -15,6 +15,7 @@ from pipeline.sim.camera import viewpoint
 from pipeline.sim.scene import load_scene
 from pipeline.sim.sight import PICTURE_SIZE
 
+_LEAST_PX_PER_M = 1e-9  # a motion along the line of sight projects to nothing, whose log is no number
 _STATES = 512  # of the first repeat's random episodes, evenly picked
 
 
@@ -33,7 +34,7 @@ def main(*, scene: str, theta: float, phi: float, rollouts: Path, out: Path) -> 
         "theta_deg": theta,
         "phi_deg": phi,
         "motion_smallest_px_per_m": float(values[:, -1].mean()),
-        "motion_log_det": float(np.log(np.maximum(values, 1e-9)).sum(axis=1).mean()),
+        "motion_log_det": float(np.log(np.maximum(values, _LEAST_PX_PER_M)).sum(axis=1).mean()),
         "pan_misalignment_deg": abs((theta + 180) % 360 - 180),
     }
     for name, found in seen.items():

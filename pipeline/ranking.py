@@ -21,7 +21,7 @@ from pipeline.stats.baselines import compare
 from pipeline.stats.branches import read_results
 from pipeline.stats.claims import read_claims
 from pipeline.stats.dqn import read_dqn
-from pipeline.stats.pairs import named, needed_for_first_two, pairs
+from pipeline.stats.pairs import needed_between, pairs
 from pipeline.stats.params import RankingParams
 from pipeline.stats.ranks import Ranked, rank
 from pipeline.stats.section3 import comparison
@@ -38,15 +38,16 @@ def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, 
     results = read_results(scene, branches, anchors, mix=_mix())
     dqn = read_dqn(branches, list(results.branches))
     rows, fit = rank(results, confidence)
-    compared = pairs(results.returns, fit, confidence)
-    verdict = scene_verdict(scene, rows, confidence, needed_for_first_two(compared, fit))
+    compared = pairs(list(results.branches), results.returns, fit, confidence)
+    needed = needed_between(compared, {row.key for row in rows[:2]})
+    verdict = scene_verdict(scene, rows, confidence, needed)
     content = {
         "scene": scene,
         "confidence": confidence,
         "verdict": asdict(verdict),
         "anchors": {name: float(values.mean()) for name, values in results.anchors.items()},
         "viewpoints": {row.key: {k: v for k, v in asdict(row).items() if k != "key"} for row in rows},
-        "pairs": named(compared, list(results.branches)),
+        "pairs": [asdict(pair) for pair in compared],
         "spread": fit.errors(),  # no key may be "error": DVC takes it for a metric that failed to load
         **comparison(results, dqn, asked, method),
         "baselines": compare(branches, list(results.branches), fit.means),

@@ -61,8 +61,7 @@ def _parameters() -> dict[str, object]:
 
 def _random_frames() -> dict[str, int]:
     """By scene, the frames of a repeat's random episodes."""
-    sizes = params.value("budgets")[params.value("budget")]
-    episodes = sizes["rollouts"]["episodes"]
+    episodes = params.value("budgets")[params.value("budget")]["rollouts"]["episodes"]
     return {name: episodes * scene["frames"] for name, scene in params.value("scenes").items()}
 
 

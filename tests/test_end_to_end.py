@@ -14,13 +14,9 @@ import polars as pl
 import pytest
 import yaml
 
-from tests.support import Clone
+from tests.support import Clone, ran
 
 BRANCHES = {"study", "panda_2dof-a", "panda_2dof-b"}
-
-
-def ran(log: str) -> set[str]:
-    return set(re.findall(r"Running stage '([^']+)'", log))
 
 
 def set_param(clone: Clone, **values: object) -> None:

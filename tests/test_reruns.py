@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.support import ROOT, Clone, clone_repository
+from tests.support import ROOT, Clone, clone_repository, ran
 
 pytestmark = pytest.mark.slow
 
@@ -41,10 +41,6 @@ for path in (paths[flag] for flag in paths if flag not in inputs):
 
 def branch(key: str) -> set[str]:
     return {f"{stage}@{key}" for stage in BRANCH_STAGES if key in STAGES[stage]["foreach"]}
-
-
-def ran(log: str) -> set[str]:
-    return set(re.findall(r"Running stage '([^']+)'", log))
 
 
 def exp_run(clone: Clone, *arguments: str) -> set[str]:

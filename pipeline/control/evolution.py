@@ -10,6 +10,7 @@ from typing import Any
 
 import cma
 import numpy as np
+import polars as pl
 
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
@@ -47,6 +48,11 @@ class Search:
     def incumbent(self) -> np.ndarray:
         """The last generation's distribution mean: no candidate is picked by its luck."""
         return np.array(self.strategy.mean)
+
+    def table(self, frames: int) -> pl.DataFrame:
+        """The curve with columns ``generation``, ``frames`` (so far, of so many each), ``mean``, ``best``."""
+        rows = pl.DataFrame(self.curve, schema=["generation", "mean", "best"], orient="row")
+        return rows.insert_column(1, ((rows["generation"] + 1) * frames).alias("frames"))
 
 
 def start(

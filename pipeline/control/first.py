@@ -6,9 +6,9 @@ solution of
 
     r(t) - r(t - 1)  ≈  a(t) · (W [z(t), h(t)] + b)  +  c · [z(t), h(t)] + d,
 
-in which the second part takes up what happens whatever the action. It costs a second, uses nothing
-that the world model's own training episodes do not hold, and spares CMA-ES the search for a needle
-in hundreds of dimensions.
+in which the second part takes up what happens whatever the action. It uses nothing that the world
+model's own training episodes do not hold, and spares CMA-ES the search for a needle in hundreds of
+dimensions.
 """
 
 from __future__ import annotations

@@ -87,7 +87,7 @@ class Loop:
     """
 
     def __init__(self, scene: Scene, view: Viewpoint, encoder: Encoder, rnn: MdnRnn, threads: int) -> None:
-        self._scene, self._encoder, self._rnn = scene, encoder, rnn
+        self.scene, self.rnn, self._encoder = scene, rnn, encoder
         self._free = [_Worker(scene, view) for _ in range(threads)]
         # each thread has an OpenMP pool of its own: one thread each, or they fight for the cores
         self._pool = ThreadPoolExecutor(threads, initializer=torch.set_num_threads, initargs=(1,))
@@ -107,7 +107,7 @@ class Loop:
             worker = self._free.pop()
             try:
                 chosen = controllers[torch.from_numpy(members)]
-                return worker.run(self._encoder, self._rnn, chosen, episodes[members])
+                return worker.run(self._encoder, self.rnn, chosen, episodes[members])
             finally:
                 self._free.append(worker)
 
@@ -115,6 +115,6 @@ class Loop:
 
     def judge(self, candidates: np.ndarray, episodes: Episodes) -> np.ndarray:
         """Mean returns (p,) of candidates (p, parameters), each in all of the episodes."""
-        controllers = Controllers.of(candidates, self._scene.action_size, each=len(episodes))
+        controllers = Controllers.of(candidates, self.scene.action_size, each=len(episodes))
         trace = self.run(controllers, episodes.tiled(len(candidates)))
         return np.asarray(trace.returns.reshape(len(candidates), -1).mean(axis=1))

@@ -1,25 +1,19 @@
-"""Trains a deep Q-network from one viewpoint and lets it act on the episodes kept apart."""
+"""Trains a deep Q-network from one viewpoint."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 import polars as pl
 from stable_baselines3 import DQN
 from stable_baselines3.common.callbacks import BaseCallback
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.progress import Progress
-from pipeline.control.anchors import Policy
 from pipeline.learning.device import Compute
-from pipeline.qlearning.actions import action_table
 from pipeline.qlearning.params import DqnParams, DqnSizes
-from pipeline.qlearning.reach_env import Pictures, ReachEnv
-from pipeline.sim.camera import Viewpoint
-from pipeline.sim.scene import Scene
+from pipeline.qlearning.reach_env import ReachEnv
 from pipeline.sim.sight import PICTURE_SIZE
-from pipeline.sim.worlds import Worlds
 
 _TRANSITION_BYTES = 2 * PICTURE_SIZE**2 * 3 + 8 + 4 + 4 + 4  # two pictures, action, reward, done, timeout
 
@@ -45,8 +39,29 @@ class Trained:
     gradient_steps: int
 
 
+def network(env: ReachEnv, method: DqnParams, sizes: DqnSizes, compute: Compute, seed: int) -> DQN:
+    """An untrained network with a convolutional policy (Mnih et al. 2015) on one picture at a time."""
+    return DQN(
+        "CnnPolicy",
+        env,
+        learning_rate=method.learning_rate,
+        buffer_size=sizes.memory,
+        learning_starts=env.num_envs * env.frames,
+        batch_size=method.batch,
+        gamma=method.discount,
+        train_freq=(1, "step"),
+        gradient_steps=max(1, env.num_envs // sizes.frames_per_step),
+        target_update_interval=sizes.target_every,
+        exploration_fraction=method.exploration.over,
+        exploration_initial_eps=method.exploration.first,
+        exploration_final_eps=method.exploration.last,
+        seed=seed % 2**31,
+        device=compute.device,
+    )
+
+
 def fit(env: ReachEnv, method: DqnParams, sizes: DqnSizes, compute: Compute, seed: int, what: str) -> Trained:
-    """Trains a network with a convolutional policy (Mnih et al. 2015) on one picture at a time.
+    """Trains a network.
 
     Args:
         env: the worlds.
@@ -59,23 +74,7 @@ def fit(env: ReachEnv, method: DqnParams, sizes: DqnSizes, compute: Compute, see
     Raises:
         BelvedereError: the network diverged.
     """
-    model = DQN(
-        "CnnPolicy",
-        env,
-        learning_rate=method.learning_rate,
-        buffer_size=sizes.memory,
-        learning_starts=method.worlds * env.frames,
-        batch_size=method.batch,
-        gamma=method.discount,
-        train_freq=(1, "step"),
-        gradient_steps=max(1, env.num_envs // sizes.frames_per_step),
-        target_update_interval=sizes.target_every,
-        exploration_fraction=method.exploration.over,
-        exploration_initial_eps=method.exploration.first,
-        exploration_final_eps=method.exploration.last,
-        seed=seed % 2**31,
-        device=compute.device,
-    )
+    model = network(env, method, sizes, compute, seed)
     with Progress(sizes.frames, what) as progress:
         model.learn(sizes.frames, callback=_Telling(env, progress))
     if not all(bool(weight.isfinite().all()) for weight in model.policy.parameters()):
@@ -100,14 +99,3 @@ class _Telling(BaseCallback):
         facts = {"returned": f"{self._env.returns[-1].mean():.2f}"} if self._env.returns else {}
         self._progress.advance(self._env.num_envs, **facts)
         return True
-
-
-def greedy(model: DQN, scene: Scene, view: Viewpoint, count: int, threads: int) -> Policy:
-    """The policy of a trained network in ``count`` worlds, without random actions."""
-    actions, pictures = action_table(scene.action_size), Pictures(scene, view, count, threads)
-
-    def act(worlds: Worlds, frame: int) -> np.ndarray:
-        chosen, _ = model.predict(pictures(worlds), deterministic=True)
-        return np.asarray(actions[chosen])
-
-    return act

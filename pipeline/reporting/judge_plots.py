@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import matplotlib
 import polars as pl
+from markupsafe import Markup
 
 from pipeline.reporting import numbers
 from pipeline.reporting.plots import anchor_lines, curve_axes
@@ -24,7 +25,7 @@ class JudgePlot:
 
     judge: str
     theta_deg: float
-    svg: str
+    svg: Markup
 
 
 Bands = Mapping[str, pl.DataFrame]  # by branch, what pipeline.reporting.bands.band returns
@@ -45,7 +46,7 @@ def judge_plots(scene: SceneResults, judges: Mapping[str, Bands]) -> list[JudgeP
     limits = (bottom - 0.08 * (top - bottom), top + 0.08 * (top - bottom))
     frames = max(float(table["frames"][-1]) for table in tables)
     return [
-        JudgePlot(judge, theta, _plot(scene, judge, theta, views, bands, limits, frames))
+        JudgePlot(judge, theta, Markup(_plot(scene, judge, theta, views, bands, limits, frames)))
         for judge, bands in judges.items()
         for theta, views in columns.items()
     ]

@@ -6,25 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import polars as pl
-from markupsafe import Markup
 
 from pipeline.reporting import numbers
 from pipeline.reporting.bands import at_frames, band
-from pipeline.reporting.judge_plots import judge_plots
+from pipeline.reporting.judge_plots import JudgePlot, judge_plots
 from pipeline.reporting.results import SceneResults
-from pipeline.reporting.tables import Claim
+from pipeline.stats.claims import Claim, Held
 
 SYMBOLS = {"theta": "θ", "phi": "φ"}
 WORLD_MODEL, DQN = "world model", "DQN"
-
-
-@dataclass(frozen=True)
-class Plot:
-    """A judge's curves at one pan angle."""
-
-    judge: str
-    theta_deg: float
-    svg: Markup
 
 
 @dataclass(frozen=True)
@@ -47,7 +37,7 @@ class JudgesPage:
     """
 
     results: SceneResults
-    plots: list[Plot]
+    plots: list[JudgePlot]
     equal: EqualFrames | None
 
 
@@ -66,8 +56,7 @@ def judges_page(scene: SceneResults, random_frames: int) -> JudgesPage | None:
     level = scene.ranking.confidence
     ours = {view.key: _later(band(view.curve, level), random_frames) for view in views}
     theirs = {view.key: band(view.dqn_curve, level) for view in views if view.dqn_curve is not None}
-    drawn = judge_plots(scene, {WORLD_MODEL: ours, DQN: theirs})
-    plots = [Plot(plot.judge, plot.theta_deg, Markup(plot.svg)) for plot in drawn]
+    plots = judge_plots(scene, {WORLD_MODEL: ours, DQN: theirs})
     frames = min(float(table["frames"][-1]) for table in (*ours.values(), *theirs.values()))
     reached = [{key: at_frames(table, frames) for key, table in tables.items()} for tables in (ours, theirs)]
     return JudgesPage(scene, plots, EqualFrames(frames, *reached))
@@ -78,7 +67,7 @@ def _later(table: pl.DataFrame, frames: int) -> pl.DataFrame:
     return table.with_columns(pl.col("frames") + frames)
 
 
-def claims(scenes: Sequence[SceneResults]) -> list[Claim]:
+def claims(scenes: Sequence[SceneResults]) -> list[Held]:
     """All claims, section by section."""
     return sorted((c for scene in scenes for c in scene.ranking.claims), key=lambda claim: claim.section)
 

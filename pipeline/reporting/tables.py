@@ -12,10 +12,12 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError
-from pipeline.stats.alignment import Agreement
+from pipeline.stats import alignment as people
 from pipeline.stats.baselines import Compared
+from pipeline.stats.claims import Held
 from pipeline.stats.factorial import Factorial, FTest
 from pipeline.stats.judges import EffectByJudge
+from pipeline.stats.pairs import Pair
 
 
 class Table(BaseModel):
@@ -57,19 +59,6 @@ class SceneVerdict(Table):
     sentence: str
 
 
-class Pair(Table):
-    """One view less another: returns in metres."""
-
-    first: str
-    second: str
-    difference: float
-    low: float
-    high: float
-    hedges_g: float
-    welch_p: float
-    repeats_needed: int | None
-
-
 class Spread(Table):
     """The spread of one training (m): about a view's own mean, and in differences between views."""
 
@@ -104,22 +93,6 @@ class Judges(Table):
     effects: list[EffectByJudge]
 
 
-class Claim(Table):
-    """One finding of the paper, and what ours says of it; differences in normalised score."""
-
-    section: str
-    scene: str
-    judge: str
-    factor: Literal["theta", "phi"]
-    first_deg: float | None
-    second_deg: float | None
-    finding: Literal["higher", "none"]
-    difference: float | None
-    low: float | None
-    high: float | None
-    outcome: str
-
-
 class Ranking(Table):
     """One scene's ranking, ``reports/rankings/{scene}.json``."""
 
@@ -132,38 +105,16 @@ class Ranking(Table):
     factorial: Factorial | None
     dqn: Dqn | None
     judges: Judges | None
-    claims: list[Claim]
+    claims: list[Held]
     baselines: list[Compared]
     made_with: dict[str, Any]
-
-
-class Trial(Table):
-    """People under two views of one task, and the world model's difference between them (m)."""
-
-    source: str
-    scene: str
-    measure: str
-    unit: str
-    first_theta: float
-    first_phi: float
-    second_theta: float
-    second_phi: float
-    first: float
-    second: float
-    p: float
-    p_holm: float
-    people_advantage: float
-    ours: float | None
-    low: float | None
-    high: float | None
-    same_sign: bool | None
 
 
 class Alignment(Table):
     """The rankings held against people, ``reports/alignment.json``."""
 
-    trials: list[Trial]
-    agreements: list[Agreement]
+    trials: list[people.Compared]
+    agreements: list[people.Agreement]
 
 
 class Anchors(Table):

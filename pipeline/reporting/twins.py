@@ -22,7 +22,7 @@ def tables(scenes: Sequence[SceneResults], people: Alignment) -> dict[str, list[
     """The page's tables by name; those without a row are left out."""
     found = {
         "ranking": [row for scene in scenes for row in _ranking(scene)],
-        "pairs": [{"scene": s.name, **pair.model_dump()} for s in scenes for pair in s.ranking.pairs],
+        "pairs": [{"scene": s.name, **asdict(pair)} for s in scenes for pair in s.ranking.pairs],
         "anchors": [{"scene": scene.name, **scene.anchors.model_dump()} for scene in scenes],
         "world_models": [row for scene in scenes for row in _world_models(scene)],
         "baselines": [row for scene in scenes for row in _baselines(scene)],

@@ -102,8 +102,8 @@ def _fetch() -> mujoco.MjSpec:
 def limit_contacts(spec: mujoco.MjSpec, arm: Robot) -> None:
     """Leaves, in a whole scene, only contacts of the robot's ``touching`` bodies with what is not the robot.
 
-    A robot that keeps its tip in a workspace does not touch itself; looking whether it does is a
-    quarter of the physics.
+    A robot that keeps its tip in a workspace does not touch itself; looking whether it does costs time
+    in every substep.
     """
     for geom in spec.geoms:
         if not geom.contype and not geom.conaffinity:

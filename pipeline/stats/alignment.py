@@ -34,12 +34,10 @@ class Trial(Section):
     p: float
 
 
-@dataclass(frozen=True)
-class Compared:
+class Compared(Trial):
     """People's difference beside ours.
 
     Attributes:
-        trial: the task and measure, and people's means.
         p_holm: people's p-value after Holm's correction over all trials of the source.
         people_advantage: by how much the first view is better for people, share of the second's mean.
         ours, low, high: by how much the first view's return is higher for the world model, with Tukey's
@@ -47,7 +45,6 @@ class Compared:
         same_sign: whether both prefer the same view; ``None`` where either does not say.
     """
 
-    trial: Trial
     p_holm: float
     people_advantage: float
     ours: float | None
@@ -83,7 +80,7 @@ def agreements(compared: Sequence[Compared]) -> list[Agreement]:
     groups: dict[tuple[str, str], list[bool]] = {}
     for row in compared:
         if row.same_sign is not None:
-            groups.setdefault((row.trial.source, row.trial.measure), []).append(row.same_sign)
+            groups.setdefault((row.source, row.measure), []).append(row.same_sign)
     return [
         Agreement(
             source, measure, len(signs), sum(signs), float(stats.binom.sf(sum(signs) - 1, len(signs), 0.5))
@@ -96,7 +93,15 @@ def _compared(trial: Trial, p_holm: float, ranking: Mapping[str, Any] | None) ->
     people = (trial.second - trial.first) / trial.second
     ours, low, high = _our_difference(trial, ranking) if ranking else (None, None, None)
     same = None if ours is None or not people else bool((ours > 0) == (people > 0))
-    return Compared(trial, p_holm, people, ours, low, high, same)
+    return Compared(
+        **trial.model_dump(),
+        p_holm=p_holm,
+        people_advantage=people,
+        ours=ours,
+        low=low,
+        high=high,
+        same_sign=same,
+    )
 
 
 def _our_difference(

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import yaml
 from pydantic import TypeAdapter, ValidationError
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.params import Section
-from pipeline.stats.factorial import DIFFERS, NO_DIFFERENCE, NOT_SEPARATED
+from pipeline.stats.factorial import DIFFERS, NO_DIFFERENCE, NOT_SEPARATED, Difference
 from pipeline.stats.ranks import NOT_ABOVE_BLIND
 
 AGREES = "agrees"
@@ -41,22 +41,39 @@ class Claim(Section):
     finding: Literal["higher", "none"]
 
 
-@dataclass(frozen=True)
-class Step:
-    """A difference between two levels of a factor in normalised score, as a judge found it."""
+class Held(Claim):
+    """A claim beside our results.
 
-    factor: str
-    first_deg: float
-    second_deg: float
-    difference: float
-    low: float
-    high: float
+    Attributes:
+        difference, low, high: of the first level less the second, in normalised score, if one step decides.
+        outcome: ``agrees``, ``contradicts``, ``not separated``, ``not above blind`` or ``not run``.
+    """
+
+    difference: float | None = None
+    low: float | None = None
+    high: float | None = None
+    outcome: str
+
+
+@dataclass(frozen=True)
+class Step(Difference):
+    """In normalised score, as a judge found it.
+
+    Attributes:
+        word: what it is, see :func:`pipeline.stats.factorial.word`.
+    """
+
     word: str
 
     def turned(self) -> Step:
         """The same, second level less first."""
-        return Step(
-            self.factor, self.second_deg, self.first_deg, -self.difference, -self.high, -self.low, self.word
+        return replace(
+            self,
+            first_deg=self.second_deg,
+            second_deg=self.first_deg,
+            difference=-self.difference,
+            low=-self.high,
+            high=-self.low,
         )
 
 
@@ -87,8 +104,8 @@ def read_claims(path: Path) -> list[Claim]:
         ) from None
 
 
-def held(claims: Sequence[Claim], judges: Mapping[str, Judgement]) -> list[dict[str, Any]]:
-    """Each claim with ``outcome`` and, where one step decides it, ``difference``, ``low`` and ``high``.
+def held(claims: Sequence[Claim], judges: Mapping[str, Judgement]) -> list[Held]:
+    """Each claim with its outcome.
 
     Args:
         claims: of one scene.
@@ -97,12 +114,12 @@ def held(claims: Sequence[Claim], judges: Mapping[str, Judgement]) -> list[dict[
     return [_held(claim, judges.get(claim.judge)) for claim in claims]
 
 
-def _held(claim: Claim, judgement: Judgement | None) -> dict[str, Any]:
+def _held(claim: Claim, judgement: Judgement | None) -> Held:
     steps = _steps(claim, judgement.steps if judgement else ())
-    shown = dict.fromkeys(("difference", "low", "high"))
+    shown = {}
     if len(steps) == 1:
-        shown = {name: value for name, value in asdict(steps[0]).items() if name in shown}
-    return {**claim.model_dump(), **shown, "outcome": _outcome(claim, judgement, steps)}
+        shown = {name: getattr(steps[0], name) for name in ("difference", "low", "high")}
+    return Held(**claim.model_dump(), **shown, outcome=_outcome(claim, judgement, steps))
 
 
 def _steps(claim: Claim, steps: Sequence[Step]) -> list[Step]:

@@ -49,16 +49,13 @@ class FTest:
 
 
 @dataclass(frozen=True)
-class Effect:
-    """The mean at one level of a factor less that at another, over all levels of the other factor.
+class Difference:
+    """Between two levels of a factor.
 
     Attributes:
         factor: ``theta`` or ``phi``.
         first_deg, second_deg: the levels; the difference is first less second.
-        difference, low, high: with Tukey's interval over the pairs of this factor's levels.
-        equivalence_low, equivalence_high: the 90 % t interval that is held against the margin.
-        se: standard error of the difference.
-        word: ``differs``, ``no difference`` or ``not separated``.
+        difference, low, high: with its interval.
     """
 
     factor: str
@@ -67,6 +64,18 @@ class Effect:
     difference: float
     low: float
     high: float
+
+
+@dataclass(frozen=True)
+class Effect(Difference):
+    """The mean at one level less that at another, over all levels of the other factor; Tukey's interval.
+
+    Attributes:
+        equivalence_low, equivalence_high: the 90 % t interval that is held against the margin.
+        se: standard error of the difference.
+        word: ``differs``, ``no difference`` or ``not separated``.
+    """
+
     equivalence_low: float
     equivalence_high: float
     se: float

@@ -17,25 +17,19 @@ import numpy as np
 from scipy import stats
 
 from pipeline.stats.blocks import two_way
-from pipeline.stats.factorial import Effect, Factorial, FTest
+from pipeline.stats.factorial import Difference, Effect, Factorial, FTest
 
 
 @dataclass(frozen=True)
-class EffectByJudge:
+class EffectByJudge(Difference):
     """How much more a step between two levels changes the score of the first judge than of the second.
 
+    The interval is Welch's.
+
     Attributes:
-        factor, first_deg, second_deg: as in :class:`pipeline.stats.factorial.Effect`.
-        difference, low, high: first judge's effect less the second's, with Welch's t interval.
         p: two-sided, adjusted over all effects by Holm's method.
     """
 
-    factor: str
-    first_deg: float
-    second_deg: float
-    difference: float
-    low: float
-    high: float
     p: float
 
 

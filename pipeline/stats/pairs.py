@@ -6,9 +6,9 @@ Sources: L. V. Hedges, J. Educ. Stat. 6 (1981) 107-128 (g and its correction J);
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 from scipy import special, stats
@@ -25,7 +25,7 @@ class Pair:
     """One view less another.
 
     Attributes:
-        first, second: places of the views in the table.
+        first, second: the views' names.
         difference, low, high: of their means, with Tukey's interval over all pairs.
         hedges_g: the difference in standard deviations of a training, pooled over the scene's views and
             corrected for few repeats.
@@ -34,8 +34,8 @@ class Pair:
             80 % power; ``None`` above 1000.
     """
 
-    first: int
-    second: int
+    first: str
+    second: str
     difference: float
     low: float
     high: float
@@ -44,7 +44,7 @@ class Pair:
     repeats_needed: int | None
 
 
-def pairs(values: np.ndarray, fit: TwoWay, confidence: float) -> list[Pair]:
+def pairs(keys: Sequence[str], values: np.ndarray, fit: TwoWay, confidence: float) -> list[Pair]:
     """All pairs of views of a table (view, repeat) with its fit; none with one view or repeat."""
     half = difference_half_width(fit, confidence)
     if half is None or fit.within is None or fit.residual is None:
@@ -55,8 +55,8 @@ def pairs(values: np.ndarray, fit: TwoWay, confidence: float) -> list[Pair]:
         welch = stats.ttest_ind(values[first], values[second], equal_var=False)
         found.append(
             Pair(
-                first,
-                second,
+                keys[first],
+                keys[second],
                 gap,
                 gap - half,
                 gap + half,
@@ -68,15 +68,9 @@ def pairs(values: np.ndarray, fit: TwoWay, confidence: float) -> list[Pair]:
     return found
 
 
-def named(found: list[Pair], keys: list[str]) -> list[dict[str, Any]]:
-    """The pairs as plain tables, with the branches' names."""
-    return [{**asdict(pair), "first": keys[pair.first], "second": keys[pair.second]} for pair in found]
-
-
-def needed_for_first_two(found: list[Pair], fit: TwoWay) -> int | None:
-    """Repeats at which the two views of the highest means would be told apart at the gap seen."""
-    first_two = {int(index) for index in np.argsort(-fit.means, kind="stable")[:2]}
-    return next((pair.repeats_needed for pair in found if {pair.first, pair.second} == first_two), None)
+def needed_between(found: Sequence[Pair], views: set[str]) -> int | None:
+    """Repeats at which these two views would be told apart at the gap seen; ``None`` where nobody knows."""
+    return next((pair.repeats_needed for pair in found if {pair.first, pair.second} == views), None)
 
 
 def hedges_g(difference: float, sd: float, df: float) -> float:

@@ -7,7 +7,7 @@ questions are fixed here, before any result is seen.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from pipeline.stats.blocks import mean_half_width, two_way
 from pipeline.stats.branches import Results
 from pipeline.stats.claims import Claim, Judgement, Step, held
 from pipeline.stats.dqn import DqnResults
-from pipeline.stats.factorial import Factorial, factorial, find_grid
+from pipeline.stats.factorial import Difference, Factorial, factorial, find_grid
 from pipeline.stats.judges import effects_by_judge, judge_by_view
 from pipeline.stats.params import RankingParams
 
@@ -36,7 +36,7 @@ def comparison(
     content: dict[str, Any] = {"factorial": asdict(ours) if ours else None, "dqn": None, "judges": None}
     if dqn is not None:
         content |= _with_dqn(results, dqn, ours, params, judged)
-    return {**content, "claims": held(claims, judged)}
+    return {**content, "claims": [found.model_dump() for found in held(claims, judged)]}
 
 
 def _with_dqn(
@@ -64,7 +64,7 @@ def _with_dqn(
         common = [list(results.branches).index(key) for key in dqn.keys]
         test = judge_by_view(results.scores[common], scores)
         effects = effects_by_judge(ours, theirs, params.confidence)
-        steps = [Step(**{**_shared(asdict(e)), "word": _word(e.low, e.high)}) for e in effects]
+        steps = [_step(effect, _word(effect.low, effect.high)) for effect in effects]
         able = all(judge.above_blind for judge in judged.values())
         judged[f"{WORLD_MODEL} over {DQN}"] = Judgement(steps, able)
         judges = {"test": asdict(test) if test else None, "effects": [asdict(effect) for effect in effects]}
@@ -96,12 +96,11 @@ def _levels(found: Factorial) -> list[tuple[str, float, float]]:
 
 
 def _steps(found: Factorial) -> list[Step]:
-    return [Step(**{**_shared(asdict(effect)), "word": effect.word}) for effect in found.effects]
+    return [_step(effect, effect.word) for effect in found.effects]
 
 
-def _shared(effect: dict[str, Any]) -> dict[str, Any]:
-    names = ("factor", "first_deg", "second_deg", "difference", "low", "high")
-    return {name: effect[name] for name in names}
+def _step(found: Difference, word: str) -> Step:
+    return Step(**{field.name: getattr(found, field.name) for field in fields(Difference)}, word=word)
 
 
 def _word(low: float, high: float) -> str:

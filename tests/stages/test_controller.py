@@ -20,14 +20,6 @@ ROOT = Path(__file__).resolve().parents[2]
 OUTS = {"out": Path("controller"), "curve": Path("curve.csv")}
 
 
-@pytest.fixture(autouse=True)
-def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("BELVEDERE_SCRATCH", str(tmp_path / "scratch"))
-    monkeypatch.setenv("OMP_NUM_THREADS", "1")
-    return tmp_path
-
-
 def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     models = write_world_model(workplace, repeats=2) | write_latents(workplace, repeats=2)
     write_params(workplace, repeats=1)

@@ -21,14 +21,6 @@ VIEW = {"scene": "panda_1dof", "theta": 60.0, "phi": 30.0}
 FRAMES, WORLDS = 6, 16
 
 
-@pytest.fixture(autouse=True)
-def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("BELVEDERE_SCRATCH", str(tmp_path / "scratch"))
-    monkeypatch.setenv("BELVEDERE_CORES", "1")
-    return tmp_path
-
-
 def write_params(folder: Path, repeats: int, **method: Any) -> None:
     tree = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
     tree["scenes"]["panda_1dof"]["frames"] = FRAMES

@@ -18,14 +18,11 @@ EPISODES, REPEATS = 4, 2
 
 
 @pytest.fixture
-def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("BELVEDERE_SCRATCH", str(tmp_path / "scratch"))
-    monkeypatch.setenv("OMP_NUM_THREADS", "1")
-    write_params(tmp_path, repeats=REPEATS)
+def workplace(workplace: Path) -> Path:
+    write_params(workplace, repeats=REPEATS)
     for repeat in range(REPEATS):
-        save_controller(tmp_path / f"controller/repeat_{repeat}.npz", np.zeros(parameters(ACTIONS)))
-    return tmp_path
+        save_controller(workplace / f"controller/repeat_{repeat}.npz", np.zeros(parameters(ACTIONS)))
+    return workplace
 
 
 def test_evaluation_and_anchors_judge_by_the_same_episodes(workplace: Path) -> None:

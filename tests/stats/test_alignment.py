@@ -67,7 +67,7 @@ def test_a_scene_that_is_not_ranked_says_nothing() -> None:
 
 def test_the_papers_p_values_after_holm() -> None:
     """By hand, over the six tests of its Table 2."""
-    adjusted = {(row.trial.scene, row.trial.measure): row.p_holm for row in found({})}
+    adjusted = {(row.scene, row.measure): row.p_holm for row in found({})}
     assert adjusted["panda_2dof", "distance error"] == pytest.approx(6 * 0.00036)
     assert adjusted["panda_2dof_obstacle", "distance error"] == pytest.approx(5 * 0.00078)
     assert adjusted["panda_2dof_obstacle", "time"] == pytest.approx(4 * 0.021)

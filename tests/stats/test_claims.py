@@ -38,9 +38,9 @@ def theta(*words: str) -> list[Step]:
 )
 def test_a_claim_that_one_level_is_higher(steps: list[Step], outcome: str) -> None:
     (found,) = held([HIGHER], {"dqn": Judgement(steps)})
-    assert found["outcome"] == outcome
+    assert found.outcome == outcome
     if outcome == "contradicts" and steps[0].word == "differs":
-        assert (found["low"], found["high"]) == (-0.3, -0.1)
+        assert (found.low, found.high) == (-0.3, -0.1)
 
 
 @pytest.mark.parametrize(
@@ -52,13 +52,13 @@ def test_a_claim_that_one_level_is_higher(steps: list[Step], outcome: str) -> No
     ],
 )
 def test_a_claim_that_nothing_differs(words: tuple[str, ...], outcome: str) -> None:
-    assert held([NONE], {"dqn": Judgement(theta(*words))})[0]["outcome"] == outcome
+    assert held([NONE], {"dqn": Judgement(theta(*words))})[0].outcome == outcome
 
 
 def test_a_judge_that_did_not_run_or_learned_nothing_says_nothing() -> None:
-    assert held([NONE], {})[0]["outcome"] == "not run"
+    assert held([NONE], {})[0].outcome == "not run"
     blind = Judgement(theta("differs"), above_blind=False)
-    assert held([NONE], {"dqn": blind})[0]["outcome"] == "not above blind"
+    assert held([NONE], {"dqn": blind})[0].outcome == "not above blind"
 
 
 def test_the_repositorys_claims_name_its_scenes() -> None:

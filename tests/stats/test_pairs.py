@@ -12,7 +12,8 @@ from pipeline.stats.pairs import hedges_g, pairs, power, repeats_needed
 
 def test_two_views_against_scipy() -> None:
     values = np.random.default_rng(1).normal(size=(2, 6)) + np.array([[0.5], [0.0]])
-    (pair,) = pairs(values, two_way(values), 0.95)
+    (pair,) = pairs(["a", "b"], values, two_way(values), 0.95)
+    assert (pair.first, pair.second) == ("a", "b")
     interval = stats.ttest_rel(values[0], values[1]).confidence_interval(0.95)
     assert (pair.low, pair.high) == (
         pytest.approx(interval.low, rel=1e-6),
@@ -54,4 +55,4 @@ def test_repeats_needed_are_the_fewest_with_enough_power() -> None:
 def test_one_repeat_or_view_has_no_pairs() -> None:
     for shape in ((3, 1), (1, 3)):
         values = np.zeros(shape)
-        assert pairs(values, two_way(values), 0.95) == []
+        assert pairs(["a", "b", "c"], values, two_way(values), 0.95) == []

@@ -1,0 +1,17 @@
+"""What stage tests share: an empty folder to run a stage in."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture
+def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working directory, with a scratch store of its own; stages that it starts use one thread."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("BELVEDERE_SCRATCH", str(tmp_path / "scratch"))
+    monkeypatch.setenv("BELVEDERE_CORES", "1")
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    return tmp_path
