@@ -87,3 +87,15 @@ def test_a_changed_lock_makes_the_environment_anew(clone: Clone) -> None:
         lock.write("no-such-package==1.0\n")
     told = clone.run("./run", "true", status=2, PYTHON="python-of-nowhere").stderr
     assert "python-of-nowhere" in told
+
+
+def test_an_environment_of_another_place_is_thrown_away(clone: Clone, tmp_path: Path) -> None:
+    """pip would find all installed, and leave scripts that name the other place's Python."""
+    venv, python = clone.root / ".venv", tmp_path / "python"
+    (venv / "bin").mkdir(parents=True)
+    lock = (clone.root / "requirements.lock").read_text(encoding="utf-8")
+    (venv / "stamp").write_text(f"# /elsewhere\n{lock}", encoding="utf-8")
+    python.write_text('#!/bin/sh\ntest "$1" = -c\n', encoding="utf-8")  # a Python that makes no environment
+    python.chmod(0o755)
+    told = clone.run("./run", "true", status=None, PYTHON=str(python))
+    assert told.returncode != 0 and not (venv / "bin").exists()
