@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from pipeline.stats.blocks import difference_half_width, mean_half_width, two_way
+from pipeline.stats.blocks import difference_half_width, mean_half_width, studentized_range, two_way
 
 CONFIDENCE = 0.95
 
@@ -103,3 +103,9 @@ def test_coverage_on_normal_tables_is_nominal(shared: float) -> None:
         all_pairs_hold += np.ptp(fit.means) <= (difference_half_width(fit, CONFIDENCE) or 0)
     assert 0.92 <= mean_holds / tables <= 0.97
     assert 0.935 <= all_pairs_hold / tables <= 0.965
+
+
+@pytest.mark.parametrize("df", [4.0, 30.5, 85.0, 300.0, 1e6])
+def test_the_studentized_range_against_scipy(df: float) -> None:
+    expected = stats.studentized_range.ppf(CONFIDENCE, 5, df)
+    assert studentized_range(CONFIDENCE, 5, df) == pytest.approx(expected, rel=1e-5)
