@@ -21,7 +21,7 @@ from pipeline.stats.baselines import compare
 from pipeline.stats.branches import read_results
 from pipeline.stats.claims import read_claims
 from pipeline.stats.dqn import read_dqn
-from pipeline.stats.pairs import needed_between, pairs
+from pipeline.stats.pairs import gap_worth_caring, needed_between, pairs
 from pipeline.stats.params import RankingParams
 from pipeline.stats.ranks import Ranked, rank
 from pipeline.stats.section3 import comparison
@@ -49,6 +49,7 @@ def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, 
         "viewpoints": {row.key: {k: v for k, v in asdict(row).items() if k != "key"} for row in rows},
         "pairs": [asdict(pair) for pair in compared],
         "spread": fit.errors(),  # no key may be "error": DVC takes it for a metric that failed to load
+        "gap": asdict(gap_worth_caring(results, fit, method)),
         **comparison(results, dqn, asked, method),
         "baselines": compare(branches, list(results.branches), fit.means),
         "made_with": _joined(results.made_with),

@@ -13,6 +13,7 @@ from pipeline.reporting.page import Reference, render
 from pipeline.reporting.provenance import revision
 from pipeline.reporting.results import read_coverage, read_results
 from pipeline.reporting.tables import Alignment, read
+from pipeline.reporting.tried import read_tried, tried_scenes
 
 
 def main(
@@ -22,6 +23,7 @@ def main(
     anchors: Path,
     alignment: Path,
     coverage: Path,
+    tried: Path,
     pictures: Path,
     out: Path,
     tables: Path,
@@ -34,14 +36,16 @@ def main(
         anchors: folder of the scenes' anchors.
         alignment: the rankings held against people.
         coverage: how often simulated intervals held.
+        tried: viewpoints that experiments tried, one row per repeat.
         pictures: folder of the branches' pictures; those that are absent are named on the page.
         out: the HTML file.
         tables: folder of the page's tables as CSV and JSON.
     """
     scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
-    reference = Reference(read(Alignment, alignment, "alignment"), read_coverage(coverage))
+    found = tried_scenes(read_tried(tried), scenes)
+    reference = Reference(read(Alignment, alignment, "alignment"), read_coverage(coverage), found)
     page = render(scenes, missing, reference, pictures, revision(), _parameters(), _random_frames())
-    twins.write(tables, twins.tables(scenes, reference.people))
+    twins.write(tables, twins.tables(scenes, reference))
     with writing(out) as aside:
         aside.write_text(page, encoding="utf-8")
 

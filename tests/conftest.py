@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -26,6 +27,7 @@ def _choose_opengl() -> None:
 _choose_opengl()
 
 REQUIRE_EGL = "BELVEDERE_REQUIRE_EGL"
+REQUIRE_CHROMIUM = "BELVEDERE_REQUIRE_CHROMIUM"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -43,6 +45,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def _what_the_machine_lacks(request: pytest.FixtureRequest) -> None:
     if request.node.get_closest_marker("egl"):
         request.getfixturevalue("egl")
+    if request.node.get_closest_marker("chromium"):
+        request.getfixturevalue("chromium")
     if request.node.get_closest_marker("gpu"):
         request.getfixturevalue("gpu")
 
@@ -58,6 +62,17 @@ def egl() -> None:
         if os.environ.get(REQUIRE_EGL) == "1":
             pytest.fail(f"{REQUIRE_EGL} is set, yet there is no EGL: {error}")
         pytest.skip("not run: no EGL")
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    """Where Chromium is; passes over the tests that look at the page where it is not, or fails them there."""
+    place = shutil.which("chromium") or shutil.which("chromium-browser")
+    if place is None and os.environ.get(REQUIRE_CHROMIUM) == "1":
+        pytest.fail(f"{REQUIRE_CHROMIUM} is set, yet there is no Chromium")
+    if place is None:
+        pytest.skip("not run: no Chromium")
+    return place
 
 
 @pytest.fixture(scope="session")

@@ -57,7 +57,7 @@ def test_one_scene_from_nothing_to_a_ranking_and_a_report(clone: Clone) -> None:
     words = ("--subjects", subjects, "--rankings", "reports/rankings", "--out", held)
     clone.run("python", "-m", "pipeline.alignment", *words)
     paths = ("rankings", "branches", "anchors", "pictures")
-    flags = ["--alignment", held, "--coverage", "data/reference/coverage.csv"]
+    flags = ["--alignment", held, "--coverage", "data/reference/coverage.csv", "--tried", "data/tried.csv"]
     flags += [part for name in paths for part in (f"--{name}", f"reports/{name}")]
     clone.run(
         "python", "-m", "pipeline.report", *flags, "--out", "reports/index.html", "--tables", "reports/tables"

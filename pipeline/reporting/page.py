@@ -20,6 +20,7 @@ from pipeline.reporting.provenance import Costs, costs, flat, made_with
 from pipeline.reporting.results import Coverage, SceneResults, View, short
 from pipeline.reporting.section3 import SYMBOLS, claimed, claims, judges_page
 from pipeline.reporting.tables import Alignment
+from pipeline.reporting.tried import TriedScene
 
 TEMPLATES = Path(__file__).parent / "template"
 
@@ -44,10 +45,12 @@ class Reference:
     Attributes:
         people: the rankings held against people.
         coverage: how often simulated 95 % intervals held, by population, views and repeats.
+        tried: viewpoints of experiments.
     """
 
     people: Alignment
     coverage: list[Coverage]
+    tried: list[TriedScene]
 
 
 def render(
@@ -81,6 +84,7 @@ def render(
             claims=claims(scenes),
             people=reference.people,
             coverage=reference.coverage,
+            tried=reference.tried,
             missing=missing,
             style=Markup(style),
             style_hash=_hash(style),
@@ -115,7 +119,9 @@ def headline(scene: SceneResults, chosen: Sequence[View]) -> str:
     if kind == "not above blind":
         return "No view is above blind"
     if kind == "not separated":
-        return "Not separated: " + ", ".join(view.label for view in chosen)
+        more = scene.ranking.verdict.more_repeats
+        also = f"; about {more} more repeats" if more else ""
+        return f"Not separated: {', '.join(view.label for view in chosen)}{also}"
     return "Put the camera at " + " or ".join(_angles(view) for view in chosen)
 
 

@@ -17,7 +17,7 @@ from pipeline.stats.baselines import Compared
 from pipeline.stats.claims import Held
 from pipeline.stats.factorial import Factorial, FTest
 from pipeline.stats.judges import EffectByJudge
-from pipeline.stats.pairs import Pair
+from pipeline.stats.pairs import Gap, Pair
 
 
 class Table(BaseModel):
@@ -57,6 +57,7 @@ class SceneVerdict(Table):
     kind: Literal["best", "not separated", "not above blind"]
     keys: list[str]
     sentence: str
+    more_repeats: int | None
 
 
 class Spread(Table):
@@ -102,6 +103,7 @@ class Ranking(Table):
     viewpoints: dict[str, Ranked]
     pairs: list[Pair]
     spread: Spread
+    gap: Gap
     factorial: Factorial | None
     dqn: Dqn | None
     judges: Judges | None

@@ -11,14 +11,15 @@ from typing import Any
 import polars as pl
 
 from pipeline.contract.artefacts import writing
+from pipeline.reporting.page import Reference
 from pipeline.reporting.results import SceneResults
-from pipeline.reporting.tables import Alignment
 from pipeline.stats.factorial import Factorial
+from pipeline.stats.tried import Tried
 
 Row = dict[str, Any]
 
 
-def tables(scenes: Sequence[SceneResults], people: Alignment) -> dict[str, list[Row]]:
+def tables(scenes: Sequence[SceneResults], reference: Reference) -> dict[str, list[Row]]:
     """The page's tables by name; those without a row are left out."""
     found = {
         "ranking": [row for scene in scenes for row in _ranking(scene)],
@@ -29,8 +30,9 @@ def tables(scenes: Sequence[SceneResults], people: Alignment) -> dict[str, list[
         "effects": [row for scene in scenes for row in _effects(scene)],
         "dqn": [row for scene in scenes for row in _dqn(scene)],
         "claims": [claim.model_dump() for scene in scenes for claim in scene.ranking.claims],
-        "people": [trial.model_dump() for trial in people.trials],
-        "agreements": [asdict(agreement) for agreement in people.agreements],
+        "people": [trial.model_dump() for trial in reference.people.trials],
+        "tried": [_tried(row) for scene in reference.tried for row in scene.rows],
+        "agreements": [asdict(agreement) for agreement in reference.people.agreements],
     }
     return {name: rows for name, rows in found.items() if rows}
 
@@ -43,6 +45,11 @@ def write(folder: Path, found: Mapping[str, Sequence[Row]]) -> None:
             pl.DataFrame(rows, infer_schema_length=None).write_csv(aside / f"{name}.csv")
             text = json.dumps(list(rows), indent=1, ensure_ascii=False)
             (aside / f"{name}.json").write_text(text + "\n", encoding="utf-8")
+
+
+def _tried(row: Tried) -> Row:
+    numbers = asdict(row)
+    return {**numbers.pop("spot"), **numbers}
 
 
 def _ranking(scene: SceneResults) -> Iterator[Row]:

@@ -14,6 +14,8 @@ import numpy as np
 from scipy import special, stats
 
 from pipeline.stats.blocks import TwoWay, difference_half_width, studentized_range
+from pipeline.stats.branches import Results
+from pipeline.stats.params import RankingParams
 
 POWER = 0.8
 MOST_REPEATS = 1000
@@ -44,6 +46,21 @@ class Pair:
     repeats_needed: int | None
 
 
+@dataclass(frozen=True)
+class Gap:
+    """A difference between views that is worth caring about.
+
+    Attributes:
+        score: of normalised scores.
+        metres: the same of returns.
+        repeats_needed: to tell it with 80 % power; ``None`` above 1000, or where nothing tells the error.
+    """
+
+    score: float
+    metres: float
+    repeats_needed: int | None
+
+
 def pairs(keys: Sequence[str], values: np.ndarray, fit: TwoWay, confidence: float) -> list[Pair]:
     """All pairs of views of a table (view, repeat) with its fit; none with one view or repeat."""
     half = difference_half_width(fit, confidence)
@@ -71,6 +88,16 @@ def pairs(keys: Sequence[str], values: np.ndarray, fit: TwoWay, confidence: floa
 def needed_between(found: Sequence[Pair], views: set[str]) -> int | None:
     """Repeats at which these two views would be told apart at the gap seen; ``None`` where nobody knows."""
     return next((pair.repeats_needed for pair in found if {pair.first, pair.second} == views), None)
+
+
+def gap_worth_caring(results: Results, fit: TwoWay, params: RankingParams) -> Gap:
+    """What it takes to tell a gap that somebody would act on: the margin of equivalence."""
+    anchors = results.anchors
+    metres = params.equivalence_margin * float((anchors["expert"] - anchors["blind"]).mean())
+    if fit.residual is None:
+        return Gap(params.equivalence_margin, metres, None)
+    needed = repeats_needed(metres, fit.residual.sd, len(fit.means), params.confidence)
+    return Gap(params.equivalence_margin, metres, needed)
 
 
 def hedges_g(difference: float, sd: float, df: float) -> float:

@@ -13,7 +13,7 @@ class RankingParams(Section):
     Attributes:
         confidence: the intervals' confidence level, strictly between 0 and 1.
         equivalence_margin: differences in normalised score whose 90 % interval lies within ± this are
-            called none.
+            called none, and the gap that is worth repeats.
     """
 
     confidence: float = Field(gt=0, lt=1)

@@ -16,16 +16,16 @@ class Verdict:
         kind: ``best``, ``not separated`` or ``not above blind``.
         keys: the branches it speaks of, best first.
         sentence: the same for people.
+        more_repeats: about how many would separate the first two, if so small a gap as theirs is real.
     """
 
     kind: str
     keys: list[str]
     sentence: str
+    more_repeats: int | None = None
 
 
-def scene_verdict(
-    scene: str, table: Sequence[Ranked], confidence: float, needed: int | None = None
-) -> Verdict:
+def scene_verdict(scene: str, table: Sequence[Ranked], confidence: float, needed: int | None) -> Verdict:
     """The verdict of a scene's table (best first): one view only if it is separated from all others.
 
     ``needed`` are the repeats at which a gap as large as that between the first two would be told.
@@ -42,7 +42,8 @@ def scene_verdict(
         return Verdict(BEST, [first.key], _best(first, table[1], confidence))
     # A best view that is not above blind cannot be chosen, even where it is separated in return.
     keys = [row.key for row in table if row.tied or (row.above_blind and not first.above_blind)]
-    return Verdict(NOT_SEPARATED, keys, _not_separated(scene, table, keys, needed))
+    more = needed - first.repeats if needed and needed > first.repeats else None
+    return Verdict(NOT_SEPARATED, keys, _not_separated(scene, table, keys, more), more)
 
 
 def _level(confidence: float) -> str:
@@ -55,16 +56,15 @@ def _best(best: Ranked, second: Ranked, confidence: float) -> str:
         raise ValueError(f"{second.key} has no difference to the best view")
     return (
         f"Put the camera at (θ, φ) = ({best.theta_deg:g}°, {best.phi_deg:g}°): {best.key} returns "
-        f"{-difference:.3g} more than the next best view, {second.key} "
+        f"{-difference:.3g} m more than the next best view, {second.key} "
         f"({_level(confidence)} {-high:.3g} to {-low:.3g})."
     )
 
 
-def _not_separated(scene: str, table: Sequence[Ranked], keys: Sequence[str], needed: int | None) -> str:
-    repeats = table[0].repeats
-    no_error = "one repeat tells no error" if repeats == 1 else ""
+def _not_separated(scene: str, table: Sequence[Ranked], keys: Sequence[str], more: int | None) -> str:
+    no_error = "one repeat tells no error" if table[0].repeats == 1 else ""
     if len(table) == 1:
         why = no_error or "there is nothing to compare it with"
         return f"Not separated: {keys[0]} is the only view of {scene}, and {why}."
-    more = f"about {needed - repeats} more repeats" if needed and needed > repeats else ""
-    return f"Not separated: {'; '.join(part for part in (', '.join(keys), no_error or more) if part)}."
+    also = no_error or (f"about {more} more repeats" if more else "")
+    return f"Not separated: {'; '.join(part for part in (', '.join(keys), also) if part)}."

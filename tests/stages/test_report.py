@@ -23,7 +23,8 @@ from PIL import Image, ImageDraw
 from pipeline import alignment, ranking, report
 from pipeline.contract.artefacts import read_json, write_json
 from pipeline.contract.errors import BelvedereError
-from pipeline.reporting.numbers import chance
+from pipeline.reporting.numbers import chance, interval
+from pipeline.reporting.tried import COLUMNS
 from pipeline.stats.baselines import BASELINES
 
 REPOSITORY = Path(report.__file__).parents[1]
@@ -71,6 +72,8 @@ def write_study(
             table=folder / f"reports/rankings/{scene}.csv",
         )
     align(folder)
+    (folder / "data").mkdir()
+    shutil.copyfile(REPOSITORY / "data/tried.csv", folder / "data/tried.csv")
 
 
 def align(folder: Path) -> None:
@@ -226,6 +229,7 @@ FOLDERS = {name: Path("reports") / name for name in ("rankings", "branches", "an
 FOLDERS |= {
     "alignment": Path("reports/alignment.json"),
     "coverage": REPOSITORY / "data/reference/coverage.csv",
+    "tried": Path("data/tried.csv"),
 }
 PAGE, TABLES = Path("reports/index.html"), Path("reports/tables")
 
@@ -381,6 +385,25 @@ def test_seconds_are_shown_where_they_were_recorded(html: str, build: Build) -> 
     html = build()
     assert "<td>61</td>" in html and "61 s in all on a machine" in html
     assert "7777" not in html
+
+
+def test_viewpoints_that_experiments_tried_are_shown(html: str, build: Build) -> None:
+    assert 'id="tried"' not in html
+    rows = [
+        (name, "panda_2dof", 45.0, phi, "quick", repeat, -2.0 - repeat, score + 0.05 * repeat)
+        for name, phi, score in (("low-sun", 30.0, 0.4), ("high-sun", 60.0, 0.7))
+        for repeat in range(3)
+    ]
+    pl.DataFrame(rows, schema=COLUMNS, orient="row").write_csv("data/tried.csv")
+    page = _Page(build())
+    assert page.text.index("high-sun") < page.text.index("low-sun")  # best first
+    table = pl.read_csv("reports/tables/tried.csv")
+    assert table["score_mean"].to_list() == pytest.approx([0.75, 0.45])
+    assert interval(table["score_low"][0], table["score_high"][0]) in page.text
+    assert any("(45°, 60°) 0.75; (45°, 30°) 0.45" in label for label in page.values("aria-label"))
+    Path("data/tried.csv").write_text("a,b\n1,2\n")
+    with pytest.raises(BelvedereError, match=r"pipeline\.reporting\.gather --out data/tried\.csv"):
+        build()
 
 
 def test_single_repeat_shows_no_interval(

@@ -7,7 +7,9 @@ import pytest
 from scipy import stats
 
 from pipeline.stats.blocks import difference_half_width, two_way
-from pipeline.stats.pairs import hedges_g, pairs, power, repeats_needed
+from pipeline.stats.branches import Results
+from pipeline.stats.pairs import gap_worth_caring, hedges_g, pairs, power, repeats_needed
+from pipeline.stats.params import RankingParams
 
 
 def test_two_views_against_scipy() -> None:
@@ -56,3 +58,16 @@ def test_one_repeat_or_view_has_no_pairs() -> None:
     for shape in ((3, 1), (1, 3)):
         values = np.zeros(shape)
         assert pairs(["a", "b", "c"], values, two_way(values), 0.95) == []
+
+
+def test_the_gap_worth_caring_about_is_a_share_of_the_way_from_blind_to_the_expert() -> None:
+    rng, repeats = np.random.default_rng(4), 4
+    returns = rng.normal(size=(3, repeats))
+    anchors = {"blind": np.array([-9.0, -10.0, -10.0, -11.0]), "expert": np.array([-1.0, -2.0, -2.0, -3.0])}
+    results = Results({}, {}, returns, anchors, {})
+    params = RankingParams(confidence=0.95, equivalence_margin=0.25)
+    fit = two_way(returns)
+    gap = gap_worth_caring(results, fit, params)
+    assert (gap.score, gap.metres) == (0.25, pytest.approx(2.0))
+    assert gap.repeats_needed == repeats_needed(2.0, fit.residual.sd, 3, 0.95)
+    assert gap_worth_caring(results, two_way(returns[:, :1]), params).repeats_needed is None

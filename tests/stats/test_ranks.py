@@ -30,7 +30,7 @@ def results(returns: np.ndarray, blind: float = -10.0, expert: float = 0.0) -> R
 
 def judged(returns: np.ndarray, blind: float = -10.0) -> tuple[list[Ranked], Verdict]:
     table, _ = rank(results(returns, blind), 0.95)
-    return table, scene_verdict("scene", table, 0.95)
+    return table, scene_verdict("scene", table, 0.95, None)
 
 
 def test_a_best_view_is_separated_from_all_others() -> None:
@@ -44,7 +44,7 @@ def test_a_best_view_is_separated_from_all_others() -> None:
     low, high = -(second.difference_high or 0), -(second.difference_low or 0)
     assert 0 < low < 3 < high
     assert verdict.sentence == (
-        "Put the camera at (θ, φ) = (10°, 5°): scene-b returns 3 more than the next best view, scene-a "
+        "Put the camera at (θ, φ) = (10°, 5°): scene-b returns 3 m more than the next best view, scene-a "
         f"(95 % interval {low:.3g} to {high:.3g})."
     )
 
@@ -91,8 +91,10 @@ def test_a_best_view_that_is_not_above_blind_is_not_chosen() -> None:
     """Returns and scores can order views differently where the anchors vary between repeats."""
     table, _ = judged(np.array([[-5.0], [-2.0], [-5.2]]) + NOISE)
     table[0] = replace(table[0], score_low=-0.1, verdict="not above blind")
-    verdict = scene_verdict("scene", table, 0.95)
+    verdict = scene_verdict("scene", table, 0.95, 12)
     assert (verdict.kind, verdict.keys) == ("not separated", ["scene-b", "scene-a", "scene-c"])
+    assert verdict.more_repeats == 12 - NOISE.shape[1]
+    assert verdict.sentence.endswith(f"; about {verdict.more_repeats} more repeats.")
 
 
 def test_score_is_zero_at_blind_and_one_at_the_expert() -> None:

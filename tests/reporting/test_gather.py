@@ -1,0 +1,73 @@
+"""Experiments of a small DVC repository, gathered into the table of viewpoints tried."""
+
+from __future__ import annotations
+
+import json
+
+import polars as pl
+import pytest
+import yaml
+
+from pipeline.contract.artefacts import write_json
+from tests.support import ROOT, Clone
+
+VIEWPOINT = {"scene": "panda_2dof", "theta": 45.0, "phi": 15.0}
+STAGE = """
+import json, pathlib, yaml
+view = yaml.safe_load(open("params.yaml"))["viewpoint"]
+out = pathlib.Path("reports/branches/panda_2dof/study/evaluation.json")
+out.parent.mkdir(parents=True, exist_ok=True)
+repeats = [{"repeat": r, "return": -view["phi"] / 10 - r} for r in range(2)]
+angles = {"theta_deg": view["theta"], "phi_deg": view["phi"]}
+out.write_text(json.dumps({"scene": "panda_2dof", **angles, "repeats": repeats}))
+"""
+
+
+@pytest.fixture(scope="module")
+def repository(tmp_path_factory: pytest.TempPathFactory) -> Clone:
+    """A repository whose one stage leaves a study's evaluation, with three experiments."""
+    made = Clone(tmp_path_factory.mktemp("sweep") / "a study")
+    made.root.mkdir()
+    out = "reports/branches/panda_2dof/study/evaluation.json"
+    stage = {"cmd": "python stage.py", "params": ["viewpoint", "seed"], "metrics": [{out: {"cache": False}}]}
+    (made.root / "dvc.yaml").write_text(yaml.safe_dump({"stages": {"evaluation": stage}}))
+    (made.root / "stage.py").write_text(STAGE)
+    tree = {"budget": "tiny", "seed": 1, "viewpoint": VIEWPOINT}
+    (made.root / "params.yaml").write_text(yaml.safe_dump(tree))
+    anchors = [{"repeat": r, "blind": -10.0 - r, "expert": -r} for r in range(2)]
+    write_json(made.root / "reports/anchors/panda_2dof.json", {"repeats": anchors})
+    made.run("git", "init", "--quiet", "--initial-branch", "main")
+    made.run("dvc", "init", "--quiet")
+    made.commit("as it is")
+    made.run("dvc", "repro", "--quiet")
+    made.commit("its results")
+    for name, change in (("low", "viewpoint.phi=5"), ("high", "viewpoint.phi=40"), ("other", "seed=2")):
+        made.run("dvc", "exp", "run", "--quiet", "--name", name, "--set-param", change)
+    made.run("git", "checkout", "--quiet", "--", ".")
+    return made
+
+
+def gather(repository: Clone, status: int = 0) -> str:
+    words = ("python", "-m", "pipeline.reporting.gather", "--out", "data/tried.csv")
+    return repository.run(*words, status=status, PYTHONPATH=str(ROOT)).stderr
+
+
+def test_experiments_that_differ_in_their_viewpoint_are_gathered(repository: Clone) -> None:
+    said = gather(repository)
+    assert "left out: other has another seed in params.yaml" in said
+    table = pl.read_csv(repository.root / "data/tried.csv").sort("phi_deg", "repeat")
+    assert table["experiment"].to_list() == ["low", "low", "high", "high"]
+    assert table["phi_deg"].to_list() == [5.0, 5.0, 40.0, 40.0]
+    assert table["score"].to_list() == pytest.approx([0.95, 0.95, 0.6, 0.6])
+    assert set(table["budget"]) == {"tiny"}
+
+
+def test_anchors_of_fewer_repeats_are_named(repository: Clone) -> None:
+    path = repository.root / "reports/anchors/panda_2dof.json"
+    content = json.loads(path.read_text())
+    write_json(path, {"repeats": content["repeats"][:1]})
+    before = (repository.root / "data/tried.csv").read_bytes()
+    said = gather(repository, status=1)
+    assert said.rstrip().endswith("run `dvc repro anchors@panda_2dof`.")
+    assert (repository.root / "data/tried.csv").read_bytes() == before
+    write_json(path, content)
