@@ -120,7 +120,8 @@ def headline(scene: SceneResults, chosen: Sequence[View]) -> str:
         return "No view is above blind"
     if kind == "not separated":
         more = scene.ranking.verdict.more_repeats
-        also = f"; about {more} more repeats" if more else ""
+        first_two = " from ".join(view.label for view in scene.views[:2])
+        also = f"; about {more} more repeats to tell {first_two}" if more else ""
         return f"Not separated: {', '.join(view.label for view in chosen)}{also}"
     return "Put the camera at " + " or ".join(_angles(view) for view in chosen)
 

@@ -66,5 +66,5 @@ def _not_separated(scene: str, table: Sequence[Ranked], keys: Sequence[str], mor
     if len(table) == 1:
         why = no_error or "there is nothing to compare it with"
         return f"Not separated: {keys[0]} is the only view of {scene}, and {why}."
-    also = no_error or (f"about {more} more repeats" if more else "")
+    also = no_error or (f"about {more} more repeats would tell the first two apart" if more else "")
     return f"Not separated: {'; '.join(part for part in (', '.join(keys), also) if part)}."

@@ -38,7 +38,7 @@ def test_it_foretells_what_actions_do_and_twice_the_same(tmp_path: Path) -> None
     for name in ("one", "two"):
         place = Workplace(tmp_path / name)
         place.root.mkdir()
-        place.write_params(mdnrnn_epochs=25)
+        place.write_params(mdnrnn_epochs=15)
         _write_latents(place.root / "latents.zarr")
         place.run("mdnrnn", *FLAGS)
         written.append(place.bytes_of("mdnrnn", "mdnrnn.json"))

@@ -147,7 +147,7 @@ def test_every_number_in_the_sentences_is_the_rankings(pages: dict[str, Page]) -
         row = ranking["viewpoints"][key]
         assert f"score {score(row['score_mean'])} ({interval(row['score_low'], row['score_high'])})" in card
     more = ranking["verdict"]["more_repeats"]
-    assert (f"; about {more} more repeats</h3>" in card) == (more is not None)
+    assert (f"; about {more} more repeats to tell " in card) == (more is not None)
     ended = json.loads(
         (pages["with"].folder / f"reports/branches/{SCENE}/{SCENE}-a/evaluation.json").read_text()
     )

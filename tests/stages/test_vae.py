@@ -12,7 +12,7 @@ from PIL import Image
 
 from tests.stages.worldmodel_stages import Workplace, write_frames
 
-EPOCHS = 30
+EPOCHS = 15
 EAGER = "import pipeline.learning.training as training; training.CHECKPOINT_EVERY_S = -1.0"
 NO_TRAINING = "import pipeline.vae as vae; vae.fit = None"
 
