@@ -66,6 +66,14 @@ def test_one_scene_from_nothing_to_a_ranking_and_a_report(clone: Clone) -> None:
     assert all(key in page for key in BRANCHES)
 
 
+def edit(clone: Clone, name: str, old: str, new: str) -> None:
+    """Changes the one place in a file of the clone where ``old`` stands."""
+    path = clone.root / name
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
 def tracked_hashes(clone: Clone) -> dict[str, str]:
     """Every output's hash in dvc.lock."""
     lock = yaml.safe_load((clone.root / "dvc.lock").read_text())
@@ -99,6 +107,14 @@ def test_killed_stages_continue_to_the_same_hashes_and_more_repeats_train_only_t
 ) -> None:
     clone.lend_environment()
     set_param(clone, budget="tiny")
+    edit(
+        clone,
+        "params.yaml",
+        "vae: {epochs: 2, batch: 32, frame_stride: 5}",
+        "vae: {epochs: 9, batch: 32, frame_stride: 1}",
+    )
+    # so small a training is over before its first checkpoint is due
+    edit(clone, "pipeline/learning/training.py", "CHECKPOINT_EVERY_S = 15.0", "CHECKPOINT_EVERY_S = 0.0")
     clone.run("dvc", "repro", "evaluation@study", timeout_s=900)
     undisturbed = tracked_hashes(clone)
     for folder in ("data", "models", ".scratch", ".dvc/cache"):
@@ -110,8 +126,6 @@ def test_killed_stages_continue_to_the_same_hashes_and_more_repeats_train_only_t
     assert tracked_hashes(clone) == undisturbed
 
     kept = {path.name for path in (clone.root / ".scratch/vae").iterdir()}
-    text = (clone.root / "params.yaml").read_text()
-    tiny = text.index("  tiny:")
-    (clone.root / "params.yaml").write_text(text[:tiny] + text[tiny:].replace("repeats: 2", "repeats: 3", 1))
+    edit(clone, "params.yaml", "    repeats: 2 ", "    repeats: 3 ")
     clone.run("dvc", "repro", "evaluation@study", timeout_s=900)
     assert len({path.name for path in (clone.root / ".scratch/vae").iterdir()} - kept) == 1
