@@ -29,10 +29,12 @@ def main() -> None:
 
 
 def line(row: dict[str, Any]) -> str:
-    """One row of the table."""
+    """One row of the table; dashes where no goal is set."""
+    goal = "–" if row["goal"] is None else f"{row['goal']:.2f}"
+    holds = {None: "–", True: "yes", False: "no"}[row["holds"]]
     return (
         f"{row['work']:<28} {row['scene']:<22} {row['ours']:>10.0f} {row['peer']:>10.0f} {row['unit']:<12} "
-        f"{row['ratio']:>7.2f} {row['goal']:>6.2f} {'yes' if row['holds'] else 'no'}"
+        f"{row['ratio']:>7.2f} {goal:>6} {holds}"
     )
 
 

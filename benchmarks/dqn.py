@@ -83,6 +83,6 @@ def _row(work: str, unit: str, amount: int, ours: list[float], peer: list[float]
         "peer": amount / statistics.median(peer),
         "unit": unit,
         "ratio": statistics.median(other / mine for mine, other in zip(ours, peer, strict=True)),
-        "goal": 0.0,
-        "holds": True,
+        "goal": None,
+        "holds": None,
     }
