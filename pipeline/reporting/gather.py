@@ -23,14 +23,22 @@ _VIEWPOINT = "viewpoint"
 
 
 def main(*, out: Path) -> None:
-    """Writes one row per repeat of each experiment that differs from the workspace in its viewpoint only."""
+    """Writes one row per repeat of each experiment that differs from the workspace in its viewpoint only.
+
+    Of experiments with the same viewpoint one is taken: their trainings are the same.
+    """
     rows: list[dict[str, Any]] = []
+    taken: list[Any] = []
     for name, revision in experiments():
         tree = yaml.safe_load(dvc.api.read(params.PARAMS_FILE.as_posix(), rev=revision))
         other = differs(tree)
         if other:
             print(f"left out: {name} has another {other} in {params.PARAMS_FILE}", file=sys.stderr)
             continue
+        if tree[_VIEWPOINT] in taken:
+            print(f"left out: {name} has the viewpoint of another experiment", file=sys.stderr)
+            continue
+        taken.append(tree[_VIEWPOINT])
         rows += list(_rows(name, revision, tree[_VIEWPOINT]))
     with writing(out) as aside:
         pl.DataFrame(rows, schema=COLUMNS).write_csv(aside)
