@@ -38,8 +38,10 @@ def main(*, out: Path) -> None:
         if tree[_VIEWPOINT] in taken:
             print(f"left out: {name} has the viewpoint of another experiment", file=sys.stderr)
             continue
-        taken.append(tree[_VIEWPOINT])
-        rows += list(_rows(name, revision, tree[_VIEWPOINT]))
+        found = list(_rows(name, revision, tree[_VIEWPOINT]))
+        if found:  # one that was not evaluated stands in nobody's way
+            taken.append(tree[_VIEWPOINT])
+            rows += found
     with writing(out) as aside:
         pl.DataFrame(rows, schema=COLUMNS).write_csv(aside)
     print(f"{len({row['experiment'] for row in rows})} experiment(s) gathered; `dvc repro report` shows them")
