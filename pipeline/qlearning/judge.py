@@ -31,12 +31,10 @@ class Trained:
         model: stable-baselines3's.
         curve: columns ``generation`` (count of ended batches of episodes), ``frames`` seen so far, ``mean``
             and ``best`` return, paper eq. (2), of the batch's episodes, random actions included.
-        gradient_steps: how many were made.
     """
 
     model: DQN
     curve: pl.DataFrame
-    gradient_steps: int
 
 
 def network(env: ReachEnv, method: DqnParams, sizes: DqnSizes, compute: Compute, seed: int) -> DQN:
@@ -85,7 +83,7 @@ def fit(env: ReachEnv, method: DqnParams, sizes: DqnSizes, compute: Compute, see
     frames = env.num_envs * env.frames
     rows = [(i, (i + 1) * frames, float(r.mean()), float(r.max())) for i, r in enumerate(env.returns)]
     curve = pl.DataFrame(rows, schema=["generation", "frames", "mean", "best"], orient="row")
-    return Trained(model, curve, model._n_updates)
+    return Trained(model, curve)
 
 
 class _Telling(BaseCallback):
