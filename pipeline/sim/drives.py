@@ -18,8 +18,8 @@ from mujoco import batch as mujoco_batch
 from pipeline.contract.errors import BelvedereError
 from pipeline.sim.scene import Scene, initial_data
 
-_DAMPING = 1e-3  # of the least squares, keeps joint steps finite near singular postures
-_NEWTON_STEPS = 2  # per frame; a displacement of 0.05 m is solved to well below 1 mm
+DAMPING = 1e-3  # of the least squares, keeps joint steps finite near singular postures
+NEWTON_STEPS = 2  # per frame; a displacement of 0.05 m is solved to well below 1 mm
 _SETUP_STEPS = 100
 _TOLERANCE_M = 1e-3
 
@@ -95,7 +95,7 @@ class JointDrive:
         return {"qpos": self._qpos.copy(), "ctrl": commands, "mocap_pos": mocap, "qacc_warmstart": rest}
 
     def move(self, hand: Hand, wished_m: np.ndarray) -> Fields:
-        for _ in range(_NEWTON_STEPS):
+        for _ in range(NEWTON_STEPS):
             self._newton(wished_m)
         return {"ctrl": self._qpos[:, self._actuated]}
 
@@ -113,7 +113,7 @@ class JointDrive:
         # rotation error as a vector: half the sum of cross products of matching axes
         tilt = 0.5 * np.cross(turn.transpose(0, 2, 1), self._upright.T[None]).sum(axis=1)
         error = np.concatenate([wished_m - place, tilt], axis=1)
-        gram = jacobian @ jacobian.transpose(0, 2, 1) + _DAMPING**2 * np.eye(6)
+        gram = jacobian @ jacobian.transpose(0, 2, 1) + DAMPING**2 * np.eye(6)
         step = jacobian.transpose(0, 2, 1) @ np.linalg.solve(gram, error[:, :, None])
         off = np.linalg.norm(wished_m - place, axis=1) > enough_m
         moved = self._qpos[:, self._coordinates] + step[:, :, 0] * off[:, None]

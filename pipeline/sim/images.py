@@ -68,6 +68,7 @@ class Images:
         antialias: rays per pixel and side.
         groups: the geom groups that are drawn.
         segment: whether :meth:`target_pixels` is wanted.
+        device: where Warp draws.
 
     Raises:
         BelvedereError: the scene holds a geom or light that cannot be drawn.
@@ -82,8 +83,10 @@ class Images:
         antialias: int = 1,
         groups: tuple[int, ...] = VISIBLE_GROUPS,
         segment: bool = False,
+        device: wp.DeviceLike = "cpu",
     ) -> None:
         start_ray_tracer()
+        self._device = wp.get_device(device)
         model = model_seen_from(scene, view)
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
@@ -92,7 +95,7 @@ class Images:
         geoms = drawn.drawn_geoms(model, groups)
         still = drawn.still(model, geoms)
         samples, camera = size * antialias, model.camera(CAMERA).id
-        with wp.ScopedDevice("cpu"):
+        with wp.ScopedDevice(self._device):
             self._model = mjw.put_model(model)
             self._data = mjw.make_data(model, nworld=count, nconmax=1, njmax=1)
             mjw.kinematics(self._model, self._data)
@@ -104,8 +107,6 @@ class Images:
             self._still = StillLife(fixed, self._data, wp.vec3(*scene.params.light.background_rgb))
             self._rgb = wp.zeros((count, size, size, 3), dtype=wp.uint8)
             self._seen = wp.zeros(count, dtype=int)
-        # On the CPU these share memory with Warp's arrays.
-        self._qpos, self._mocap = self._data.qpos.numpy(), self._data.mocap_pos.numpy()
 
     def render(self, qpos: np.ndarray, target_m: np.ndarray) -> np.ndarray:
         """Draws the worlds.
@@ -117,22 +118,35 @@ class Images:
         Returns:
             uint8 pictures, shape (n, size, size, 3); the memory is used again by the next call.
         """
-        n, size = len(qpos), self._rgb.shape[1]
-        self._qpos[:n], self._mocap[:n, self._scene.target_mocap] = qpos, target_m
-        with wp.ScopedDevice("cpu"):
+        n = len(qpos)
+        targets = self._data.mocap_pos[:n, self._scene.target_mocap]
+        with wp.ScopedDevice(self._device):
+            for array, values in ((self._data.qpos[:n], qpos), (targets, target_m)):
+                wp.copy(array, wp.array(values, dtype=array.dtype))
             mjw.kinematics(self._model, self._data)
-            self._tracer.trace(n, self._data, self._still.distance)
+        return self.draw(self._data, n).numpy()[:n]
+
+    def draw(self, data: mjw.Data, n: int) -> wp.array:
+        """Draws the first ``n`` worlds of ``data``, on this device, as their geoms stand; copies nothing.
+
+        Returns:
+            uint8 pictures, shape (count, size, size, 3); the memory is used again by the next call.
+        """
+        size = self._rgb.shape[1]
+        span = 1 if self._device.is_cuda else size  # pixels a thread: a GPU wants many threads
+        with wp.ScopedDevice(self._device):
+            self._tracer.trace(n, data, self._still.distance)
             self._seen.zero_()
             wp.launch(
                 painting.paint,
-                dim=(n, size, 1),
+                dim=(n, size, size // span),
                 inputs=[
                     *(self._tracer.hits, self._tracer.subject, self._still.rgb, self._still.number),
-                    *(self._antialias, self._target, size),
+                    *(self._antialias, self._target, span),
                 ],
                 outputs=[self._rgb, self._seen],
             )
-        return self._rgb.numpy()[:n]
+        return self._rgb
 
     def target_pixels(self, count: int) -> np.ndarray:
         """In how many pixels of the last pictures the target is seen; shape (count,)."""

@@ -56,10 +56,7 @@ class Worlds:
             BelvedereError: an action is not a number.
         """
         if not np.isfinite(action).all():
-            raise BelvedereError(
-                f"scene {self.scene.name}: a policy gave an action that is not a number; its network or "
-                "controller has diverged."
-            )
+            raise not_a_number(self.scene)
         hand = Hand(self.tip, self._places[:, self._hand_body], self._turns[:, self._hand_body])
         wished = wished_place(self.scene, hand.tip_m, self._start, action)
         self._write(self._drive.move(hand, wished))
@@ -84,3 +81,11 @@ class Worlds:
     def qpos(self) -> np.ndarray:
         """Generalised positions, shape (count, nq), what a picture needs beside the target."""
         return self._qpos.astype(np.float32)
+
+
+def not_a_number(scene: Scene) -> BelvedereError:
+    """What to say of an action that is not a number."""
+    return BelvedereError(
+        f"scene {scene.name}: a policy gave an action that is not a number; its network or controller has "
+        "diverged."
+    )

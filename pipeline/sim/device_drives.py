@@ -1,0 +1,148 @@
+"""The drives of :mod:`pipeline.sim.drives` as Warp kernels, for worlds that stay on a device."""
+
+# mypy: disable-error-code="misc, index"
+# (a kernel is no Python: its values have other types inside than outside)
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import mujoco_warp as mjw
+import numpy as np
+import warp as wp
+
+from pipeline.sim import device_ik
+from pipeline.sim.drives import NEWTON_STEPS, Fields
+from pipeline.sim.scene import Scene
+
+wp.set_module_options({"enable_backward": False})
+
+
+class DeviceDrive(Protocol):
+    """Turns wished tip places into fields of ``count`` simulations, without the host."""
+
+    def reset(self, fields: Fields) -> None:
+        """Begins with the state that :meth:`pipeline.sim.drives.Drive.reset` gives."""
+
+    def move(self, data: mjw.Data, tip: wp.array, wished: wp.array) -> None:
+        """Writes the controls of ``data`` that bring each tip (n,) towards its wished place (n,), m."""
+
+
+@wp.kernel
+def wish(
+    action: wp.array2d[float],
+    tip: wp.array[wp.vec3],
+    start: wp.array[wp.vec3],
+    axes: wp.array[int],
+    low: wp.vec3,
+    high: wp.vec3,
+    displacement_m: float,
+    wished: wp.array[wp.vec3],
+    refused: wp.array[int],
+) -> None:
+    """Where each tip should go; an action that is no number is counted in ``refused`` and moves nothing."""
+    world = wp.tid()
+    place = start[world]
+    for index in range(axes.shape[0]):
+        axis = axes[index]
+        share = action[world, index]
+        if not wp.isfinite(share):
+            wp.atomic_add(refused, 0, 1)
+            share = 0.0
+        step = displacement_m * wp.clamp(share, -1.0, 1.0)
+        place[axis] = wp.clamp(tip[world][axis] + step, low[axis], high[axis])
+    wished[world] = place
+
+
+class Wishes:
+    """Wished tip places of ``count`` worlds; see :func:`pipeline.sim.drives.wished_place`."""
+
+    def __init__(self, scene: Scene, count: int) -> None:
+        self.start, self.wished = wp.zeros(count, dtype=wp.vec3), wp.zeros(count, dtype=wp.vec3)
+        self.refused = wp.zeros(1, dtype=int)
+        workspace = scene.params.workspace
+        self._axes = wp.array(list(scene.axes), dtype=int)
+        self._low, self._high = wp.vec3(*workspace.low_m), wp.vec3(*workspace.high_m)
+        self._displacement_m = scene.params.displacement_m
+
+    def make(self, action: wp.array, tip: wp.array) -> wp.array:
+        """The places (n,), m, that actions (n, action_size) lead to from tips (n,)."""
+        limits = [self._low, self._high, self._displacement_m]
+        wp.launch(
+            wish,
+            dim=len(tip),
+            inputs=[action, tip, self.start, self._axes, *limits],
+            outputs=[self.wished, self.refused],
+        )
+        return self.wished
+
+
+class DeviceJointDrive:
+    """Inverse kinematics to position actuators; see :class:`pipeline.sim.drives.JointDrive`."""
+
+    def __init__(self, scene: Scene, model: mjw.Model, count: int) -> None:
+        self._model = model
+        self._ghost = mjw.make_data(scene.model, nworld=count, nconmax=1, njmax=1)
+        self._arm = device_ik.arm(scene)
+        joints = scene.model.actuator_trnid[:, 0]
+        self._actuated = wp.array(scene.model.jnt_qposadr[joints], dtype=int)
+
+    def reset(self, fields: Fields) -> None:
+        self._ghost.qpos.assign(np.asarray(fields["qpos"], dtype=np.float32))
+
+    def move(self, data: mjw.Data, tip: wp.array, wished: wp.array) -> None:
+        for _ in range(NEWTON_STEPS):
+            device_ik.newton(self._model, self._ghost, self._arm, wished)
+        wp.launch(
+            command, dim=data.ctrl.shape, inputs=[self._ghost.qpos, self._actuated], outputs=[data.ctrl]
+        )
+
+
+@wp.kernel
+def command(qpos: wp.array2d[float], actuated: wp.array[int], ctrl: wp.array2d[float]) -> None:
+    """Commands each actuator to its joint's position."""
+    world, actuator = wp.tid()
+    ctrl[world, actuator] = qpos[world, actuated[actuator]]
+
+
+class DeviceMocapDrive:
+    """A weld to a mocap body; see :class:`pipeline.sim.drives.MocapDrive`."""
+
+    def __init__(self, scene: Scene, model: mjw.Model, count: int) -> None:
+        self._body = int(scene.model.site_bodyid[scene.tip_site])
+        self._mocap = int(scene.model.body(scene.robot.mocap).mocapid[0])
+
+    def reset(self, fields: Fields) -> None:
+        """Keeps nothing of an episode."""
+
+    def move(self, data: mjw.Data, tip: wp.array, wished: wp.array) -> None:
+        wp.launch(
+            pull,
+            dim=len(tip),
+            inputs=[data.xpos, data.xquat, self._body, tip, wished, self._mocap],
+            outputs=[data.mocap_pos, data.mocap_quat],
+        )
+
+
+@wp.kernel
+def pull(
+    place: wp.array2d[wp.vec3],
+    turn: wp.array2d[wp.quat],
+    body: int,
+    tip: wp.array[wp.vec3],
+    wished: wp.array[wp.vec3],
+    mocap: int,
+    mocap_place: wp.array2d[wp.vec3],
+    mocap_turn: wp.array2d[wp.quat],
+) -> None:
+    """Sets the mocap body to where the hand is, moved by what the tip lacks."""
+    world = wp.tid()
+    mocap_place[world, mocap] = place[world, body] + (wished[world] - tip[world])
+    mocap_turn[world, mocap] = turn[world, body]
+
+
+def device_drive(scene: Scene, model: mjw.Model, count: int) -> DeviceDrive:
+    """The drive of the scene's robot, on Warp's current device."""
+    kinds: dict[str, Any] = {"joints": DeviceJointDrive, "mocap": DeviceMocapDrive}
+    made: DeviceDrive = kinds[scene.robot.drive](scene, model, count)
+    return made

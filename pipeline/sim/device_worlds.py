@@ -1,0 +1,160 @@
+"""A batch of worlds that stays on one device, pictures included; mujoco_warp steps it.
+
+Meant for CUDA. It runs on Warp's CPU backend too, far slower than :mod:`pipeline.sim.worlds`: that is how
+it is tested where there is no GPU.
+"""
+
+# mypy: disable-error-code="misc, index"
+# (a kernel is no Python: its values have other types inside than outside)
+
+from __future__ import annotations
+
+import mujoco_warp as mjw
+import numpy as np
+import warp as wp
+
+from pipeline.contract.errors import BelvedereError
+from pipeline.sim.camera import Viewpoint
+from pipeline.sim.device_drives import Wishes, device_drive
+from pipeline.sim.draws import Episodes
+from pipeline.sim.drives import Fields, drive
+from pipeline.sim.images import Images
+from pipeline.sim.scene import Scene
+from pipeline.sim.worlds import not_a_number
+
+wp.set_module_options({"enable_backward": False})
+
+_CONTACTS = 48  # room for so many a world; scenes that need more are told
+_CONSTRAINTS = 128  # likewise; a contact takes up to six
+
+
+@wp.kernel
+def measure(
+    places: wp.array2d[wp.vec3],
+    site: int,
+    target: wp.array[wp.vec3],
+    tip: wp.array[wp.vec3],
+    reward: wp.array[float],
+) -> None:
+    """Tips, and minus their distances to the targets: paper eq. (1)."""
+    world = wp.tid()
+    tip[world] = places[world, site]
+    reward[world] = -wp.length(target[world] - tip[world])
+
+
+class DeviceWorlds:
+    """``count`` worlds and their pictures from one viewpoint; nothing goes to the host in a step.
+
+    Args:
+        scene: the compiled scene.
+        view: where the camera stands.
+        count: how many worlds.
+        device: where Warp computes; on CUDA a step is one captured graph.
+
+    Attributes (all on the device, always the same memory, so that others may share it):
+        action: to be filled in before each step, (count, action_size), float32, shares of the largest
+            displacement in [-1, 1].
+        rgb: pictures of the worlds as they stand, (count, 64, 64, 3), uint8.
+        tip: (count,) of three, m.
+        target: likewise.
+        qpos: generalised positions, (count, nq), float32.
+        reward: of the last step, paper eq. (1), (count,), float32, m.
+    """
+
+    def __init__(self, scene: Scene, view: Viewpoint, count: int, device: wp.DeviceLike) -> None:
+        self._images = Images(scene, view, count, device=device)
+        self.scene, self.count, self.device = scene, count, wp.get_device(device)
+        with wp.ScopedDevice(self.device):
+            self._model = mjw.put_model(scene.model)
+            self._model.opt.graph_conditional = self.device.is_cpu or wp.is_conditional_graph_supported()
+            room = {"nconmax": _CONTACTS, "njmax": _CONSTRAINTS}
+            self._data = mjw.make_data(scene.model, nworld=count, **room)
+            self._wishes, self._drive = Wishes(scene, count), device_drive(scene, self._model, count)
+            self.action = wp.zeros((count, scene.action_size), dtype=float)
+            self.tip, self.target = wp.zeros(count, dtype=wp.vec3), wp.zeros(count, dtype=wp.vec3)
+            self.reward = wp.zeros(count, dtype=float)
+            self.qpos = self._data.qpos
+            mjw.kinematics(self._model, self._data)
+            self.rgb = self._look()
+            self._graph = self._captured() if self.device.is_cuda else None
+
+    def reset(self, episodes: Episodes) -> None:
+        """Starts one episode per world.
+
+        Raises:
+            BelvedereError: the robot cannot bring its tip to a start.
+        """
+        if len(episodes) != self.count:
+            raise ValueError(f"{len(episodes)} episodes for {self.count} worlds")
+        fields = start_fields(self.scene, episodes)
+        with wp.ScopedDevice(self.device):
+            mjw.reset_data(self._model, self._data)
+            for name, values in fields.items():
+                _upload(getattr(self._data, name), values)
+            _upload(self.target, episodes.target_m)
+            _upload(self._wishes.start, episodes.start_m)
+            self._wishes.refused.zero_()
+            self._drive.reset(fields)
+            mjw.kinematics(self._model, self._data)
+            self._look()
+
+    def step(self) -> None:
+        """Moves every world one frame on, by :attr:`action`, and draws it."""
+        with wp.ScopedDevice(self.device):
+            if self._graph is None:
+                self._frame()
+            else:
+                wp.capture_launch(self._graph)
+
+    def check(self) -> None:
+        """Looks, at the end of an episode, whether anything went wrong in it; waits for the device.
+
+        Raises:
+            BelvedereError: an action was not a number, or there was no room for all contacts.
+        """
+        if self._wishes.refused.numpy()[0]:
+            raise not_a_number(self.scene)
+        if self._data.overflow.numpy().any():
+            raise BelvedereError(
+                f"scene {self.scene.name}: a world has more than {_CONTACTS} contacts or {_CONSTRAINTS} "
+                "constraints at a time, the most that worlds on a device have room for; simplify the scene, "
+                "or use BELVEDERE_DEVICE=cpu."
+            )
+
+    def _captured(self) -> wp.Graph:
+        """A frame as a graph of kernels; they are loaded by a first one, which a capture could not do."""
+        self._frame()
+        with wp.ScopedCapture(device=self.device) as capture:
+            self._frame()
+        return capture.graph
+
+    def _frame(self) -> None:
+        wished = self._wishes.make(self.action, self.tip)
+        self._drive.move(self._data, self.tip, wished)
+        for _ in range(self.scene.params.substeps):
+            mjw.step(self._model, self._data)
+        mjw.kinematics(self._model, self._data)  # a step leaves poses one behind the state
+        self._look()
+
+    def _look(self) -> wp.array:
+        wp.launch(
+            measure,
+            dim=self.count,
+            inputs=[self._data.site_xpos, self.scene.tip_site, self.target],
+            outputs=[self.tip, self.reward],
+        )
+        return self._images.draw(self._data, self.count)
+
+
+def start_fields(scene: Scene, episodes: Episodes) -> Fields:
+    """The state in which each episode starts; those that begin alike, as candidates' do, are solved once."""
+    both = np.concatenate([episodes.start_m, episodes.target_m], axis=1)
+    _, first, where = np.unique(both, axis=0, return_index=True, return_inverse=True)
+    unlike = episodes[first]
+    fields = drive(scene, len(unlike), 1).reset(unlike.start_m, unlike.target_m)
+    return {name: values[where.reshape(-1)] for name, values in fields.items()}
+
+
+def _upload(array: wp.array, values: np.ndarray) -> None:
+    """Copies values with a leading axis over worlds into an array on a device."""
+    array.assign(np.ascontiguousarray(values, dtype=np.float32))
