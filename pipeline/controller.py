@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +13,15 @@ from pipeline.contract.artefacts import writing
 from pipeline.contract.machine import cores
 from pipeline.contract.stage import entry
 from pipeline.control.first import Experience
-from pipeline.control.loop import Loop
+from pipeline.control.jobs import Networks
+from pipeline.control.loops import closed_loops
 from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.control.policy import save_controller
-from pipeline.control.search import search_controller
+from pipeline.control.search import Repeat, search_controllers
 from pipeline.learning.device import Compute, compute
-from pipeline.learning.repeats import code_digest, finished
+from pipeline.learning.repeats import Place, code_digest, finished_together
 from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.scene import Scene, load_scene
-from pipeline.worldmodel.encoder import Encoder
-from pipeline.worldmodel.mdnrnn import load_mdnrnn
-from pipeline.worldmodel.vae import load_vae
 
 CODE = ("contract", "control", "learning", "sim", "worldmodel", "controller.py")
 READ = ("mean", "action", "reward")
@@ -35,36 +34,41 @@ def main(
     compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
     store = zarrs.Store(latents, zarrs.LATENTS, "latents")
     models = [(vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt") for r in range(params.repeats())]
-    results = [evolve_repeat(compiled, view, place, r, store, *pair) for r, pair in enumerate(models)]
+    results = evolve_repeats(compiled, view, place, store, models)
     with writing(out) as folder:
         folder.mkdir()
         for repeat, result in enumerate(results):
             (folder / f"repeat_{repeat}.npz").write_bytes((result / "controller.npz").read_bytes())
+    curves = [pl.read_parquet(result / "curve.parquet") for result in results]
+    rows = [c.insert_column(0, pl.lit(repeat).alias("repeat")) for repeat, c in enumerate(curves)]
     with writing(curve) as aside:
-        pl.concat([pl.read_parquet(result / "curve.parquet") for result in results]).write_csv(aside)
+        pl.concat(rows).write_csv(aside)
 
 
-def evolve_repeat(
-    scene: Scene, view: Viewpoint, place: Compute, repeat: int, latents: zarrs.Store, vae: Path, mdnrnn: Path
-) -> Path:
-    """The scratch folder of a repeat's finished ``controller.npz`` and ``curve.parquet``."""
+def evolve_repeats(
+    scene: Scene, view: Viewpoint, place: Compute, latents: zarrs.Store, models: Sequence[tuple[Path, Path]]
+) -> list[Path]:
+    """The scratch folders of the repeats' finished ``controller.npz`` and ``curve.parquet``."""
     method = params.section(ControllerParams, "controller")
     sizes, seed = params.budget_section(SearchSizes, "controller"), params.seed()
-    encoder, rnn = Encoder(load_vae(vae), place), load_mdnrnn(mdnrnn)
-    arrays = {name: latents.repeat(name, repeat) for name in READ}
+    arrays = [{name: latents.repeat(name, r) for name in READ} for r in range(len(models))]
 
-    def make(results: Path, running: Path) -> None:
-        loop, experience = Loop(scene, view, encoder, rnn, cores()), Experience.of(**arrays)
-        search = search_controller(loop, experience, method, sizes, seed, repeat, running)
-        save_controller(results / "controller.npz", search.incumbent)
-        rows = search.table(sizes.population * sizes.episodes * scene.frames)
-        rows.insert_column(0, pl.lit(repeat).alias("repeat")).write_parquet(results / "curve.parquet")
+    def make(places: Mapping[int, Place]) -> None:
+        networks = {r: Networks.load(*models[r], place) for r in places}
+        repeats = [Repeat(r, Experience.of(**arrays[r]), networks[r].rnn, places[r].running) for r in places]
+        loops = closed_loops(scene, view, list(networks.values()), place.device, cores())
+        searches = search_controllers(loops, repeats, method, sizes, seed)
+        for where, search in zip(places.values(), searches, strict=True):
+            save_controller(where.results / "controller.npz", search.incumbent)
+            frames = sizes.population * sizes.episodes * scene.frames
+            search.table(frames).write_parquet(where.results / "curve.parquet")
 
-    decides: dict[str, Any] = {"inputs": scratch.digest_files([vae, mdnrnn]), "code": code_digest(*CODE)}
-    decides |= {"latents": scratch.digest_arrays(arrays)}
-    decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
-    decides |= {"seed": seed, "scene": scene.params.model_dump(), "view": view.model_dump()}
-    return finished("controller", repeat, make, **decides)
+    common: dict[str, Any] = {"code": code_digest(*CODE), "machine": place.facts(), "seed": seed}
+    common |= {"method": method.model_dump(), "sizes": sizes.model_dump()}
+    common |= {"scene": scene.params.model_dump(), "view": view.model_dump()}
+    files, read = map(scratch.digest_files, models), map(scratch.digest_arrays, arrays)
+    inputs = [{"inputs": one, "latents": other} for one, other in zip(files, read, strict=True)]
+    return finished_together("controller", {r: {**common, **own} for r, own in enumerate(inputs)}, make)
 
 
 if __name__ == "__main__":

@@ -13,17 +13,14 @@ from pipeline.contract.machine import cores
 from pipeline.contract.progress import Progress
 from pipeline.contract.stage import entry
 from pipeline.control.clip import write_clip
-from pipeline.control.loop import Loop, Trace
+from pipeline.control.jobs import Job, Networks
+from pipeline.control.loops import closed_loops
 from pipeline.control.outcomes import evaluation_episodes, made_with, means, outcomes
 from pipeline.control.params import EvaluationSizes
-from pipeline.control.policy import Controllers, load_controller
-from pipeline.learning.device import Compute, compute
-from pipeline.sim.camera import Viewpoint, viewpoint
-from pipeline.sim.draws import Episodes
-from pipeline.sim.scene import Scene, load_scene
-from pipeline.worldmodel.encoder import Encoder
-from pipeline.worldmodel.mdnrnn import load_mdnrnn
-from pipeline.worldmodel.vae import load_vae
+from pipeline.control.policy import load_controller
+from pipeline.learning.device import compute
+from pipeline.sim.camera import viewpoint
+from pipeline.sim.scene import load_scene
 
 
 def main(
@@ -41,30 +38,24 @@ def main(
     """Writes every evaluation episode's outcome, their means, and repeat 0's first episode as a film."""
     compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
     count = params.budget_section(EvaluationSizes, "evaluation").episodes
-    tables, repeats = [], params.repeats()
-    with Progress(repeats, f"evaluation {scene} ({theta:g}°, {phi:g}°)") as progress:
-        for r in range(repeats):
-            episodes = evaluation_episodes(compiled, count, params.seed(), r)
-            models = vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt", controller / f"repeat_{r}.npz"
-            trace = run(compiled, view, place, episodes, *models)
-            tables.append(outcomes(r, episodes, trace.tip_m, trace.reward))
+    repeats = range(params.repeats())
+    episodes = [evaluation_episodes(compiled, count, params.seed(), r) for r in repeats]
+    networks = [Networks.load(vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt", place) for r in repeats]
+    flat = [load_controller(controller / f"repeat_{r}.npz", compiled.action_size) for r in repeats]
+    loops = closed_loops(compiled, view, networks, place.device, cores())
+    jobs = [Job.of(r, flat[r][None], episodes[r]) for r in repeats]
+    tables = []
+    with Progress(len(repeats), f"evaluation {scene} ({theta:g}°, {phi:g}°)") as progress:
+        for r, trace in enumerate(loops.run(jobs)):
+            tables.append(outcomes(r, episodes[r], trace.tip_m, trace.reward))
             if r == 0:
-                write_clip(clip, compiled, view, trace.qpos[0], episodes.target_m[0])
+                write_clip(clip, compiled, view, trace.qpos[0], episodes[0].target_m[0])
             progress.advance(returned=f"{trace.returns.mean():.2f}")
     table = pl.concat(tables)
     with writing(out) as aside:
         table.write_parquet(aside)
     facts = {"scene": scene, "theta_deg": theta, "phi_deg": phi}
     write_json(metrics, {**facts, **means(table, _numbers), "made_with": made_with(place.facts())})
-
-
-def run(
-    scene: Scene, view: Viewpoint, place: Compute, episodes: Episodes, vae: Path, mdnrnn: Path, flat: Path
-) -> Trace:
-    """One repeat's controller in its evaluation episodes."""
-    loop = Loop(scene, view, Encoder(load_vae(vae), place), load_mdnrnn(mdnrnn), cores())
-    candidate = load_controller(flat, scene.action_size)
-    return loop.run(Controllers.of(candidate[None], scene.action_size, each=len(episodes)), episodes)
 
 
 def _numbers(rows: pl.DataFrame) -> dict[str, Any]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from pipeline.control.anchors import blind, play
-from pipeline.control.evolution import Search, evolve, start
+from pipeline.control.evolution import Generation, Run, Search, evolve, start
 from pipeline.control.params import BlindParams, SearchSizes
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.scene import Scene
@@ -34,11 +35,12 @@ class BlindSearch:
         generations = 0
         while searches:
             generations += self._sizes.generations
+            what = f"blind {self._scene.name}, {len(searches)} of {len(guesses)} guesses"
+            runs = [Run(search, running / str(i), f"{what}: {i + 1}") for i, search in searches.items()]
+            searches = dict(zip(searches, evolve(runs, self._judge, generations, what), strict=True))
             ends = []
             for index, search in searches.items():
-                what = f"blind {self._scene.name}, guess {index + 1} of {len(guesses)}"
-                searches[index] = evolve(search, self._judge, generations, running / str(index), what)
-                end = self.sequence(searches[index].incumbent)
+                end = self.sequence(search.incumbent)
                 ends.append((self._value(end, deciding), index, end))
             found += ends
             better = sorted(ends, key=lambda end: -end[0])[: len(ends) // 2]
@@ -91,8 +93,12 @@ class BlindSearch:
         candidates, draws = rng.spawn(2)
         return start(flat, self._sizes.population, self._method, candidates, draws)
 
-    def _judge(self, candidates: np.ndarray, draws: np.random.Generator) -> np.ndarray:
-        episodes = draw_episodes(self._scene, self._sizes.episodes, draws).tiled(len(candidates))
+    def _judge(self, generations: Sequence[Generation]) -> Iterator[np.ndarray]:
+        return map(self._returns, generations)
+
+    def _returns(self, generation: Generation) -> np.ndarray:
+        candidates = generation.candidates
+        episodes = draw_episodes(self._scene, self._sizes.episodes, generation.draws).tiled(len(candidates))
         sequences = np.stack([self.sequence(c) for c in candidates])
         each = np.repeat(sequences, self._sizes.episodes, axis=0)
         _, reward = play(self._worlds, episodes, lambda worlds, frame: each[:, frame])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,23 @@ from pipeline.contract.errors import BelvedereError
 from pipeline.contract.progress import Progress
 from pipeline.control.params import SearchParams
 
-Judge = Callable[[np.ndarray, np.random.Generator], np.ndarray]
+
+@dataclass(frozen=True, eq=False)
+class Generation:
+    """One generation of a search, to be judged.
+
+    Attributes:
+        member: which of the searches that run side by side.
+        candidates: shape (p, d).
+        draws: what the judge draws from, for this search alone.
+    """
+
+    member: int
+    candidates: np.ndarray
+    draws: np.random.Generator
+
+
+Judge = Callable[[Sequence[Generation]], Iterable[np.ndarray]]
 
 
 @dataclass
@@ -49,10 +65,52 @@ class Search:
         """The last generation's distribution mean: no candidate is picked by its luck."""
         return np.array(self.strategy.mean)
 
+    def ask(self, member: int) -> Generation:
+        """The next generation's candidates."""
+        return Generation(member, np.array(self.strategy.ask()), self.draws)
+
+    def tell(self, candidates: np.ndarray, returns: np.ndarray) -> None:
+        """Moves on by the returns (p,) of candidates (p, d)."""
+        self.strategy.tell(list(candidates), list(-returns))
+        self.curve.append((len(self.curve), float(returns.mean()), float(returns.max())))
+
     def table(self, frames: int) -> pl.DataFrame:
         """The curve with columns ``generation``, ``frames`` (so far, of so many each), ``mean``, ``best``."""
         rows = pl.DataFrame(self.curve, schema=["generation", "mean", "best"], orient="row")
         return rows.insert_column(1, ((rows["generation"] + 1) * frames).alias("frames"))
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A search on its way.
+
+    Attributes:
+        search: where to start; a checkpoint takes its place.
+        running: folder of the checkpoint, written after each generation; what was killed continues
+            to the same bytes.
+        name: for messages.
+    """
+
+    search: Search
+    running: Path
+    name: str
+
+    def so_far(self) -> Search:
+        """The search as the last checkpoint left it, or where it starts."""
+        path = self._checkpoint
+        return pickle.loads(path.read_bytes()) if path.is_file() else self.search
+
+    def advance(self, search: Search, generation: Generation, returns: np.ndarray) -> None:
+        """Moves ``search`` on by a judged generation and writes the checkpoint."""
+        if not np.isfinite(returns).all():
+            raise BelvedereError(f"{self.name}: a return is {returns.min()}; look at the stage's input.")
+        search.tell(generation.candidates, returns)
+        with writing(self._checkpoint) as aside:
+            aside.write_bytes(pickle.dumps(search))
+
+    @property
+    def _checkpoint(self) -> Path:
+        return Path(self.running) / "search.pickle"
 
 
 def start(
@@ -86,32 +144,30 @@ def start(
     return Search(cma.CMAEvolutionStrategy(first, method.sigma, options), draws)
 
 
-def evolve(search: Search, judge: Judge, generations: int, running: Path, what: str) -> Search:
-    """Runs a search up to so many generations.
+def evolve(runs: Sequence[Run], judge: Judge, generations: int, what: str) -> list[Search]:
+    """Runs searches side by side, one generation of each at a time, up to so many generations.
+
+    Each search has its own draws and its own checkpoint, so it ends with the same bytes whichever
+    others run beside it; after a kill some may be a generation ahead of the rest.
 
     Args:
-        search: where to start; a checkpoint in ``running`` takes its place.
-        judge: returns (p,), to be maximised, of candidates (p, d); draws from the given generator alone.
-        generations: of the whole search.
-        running: folder of the checkpoint, written after each generation; what was killed continues
-            to the same bytes.
+        runs: the searches.
+        judge: returns, of each generation that it is given, (p,) to be maximised; draws from the
+            generation's own generator alone.
+        generations: of each whole search.
         what: the progress bar's words.
 
     Raises:
         BelvedereError: a return is not a finite number.
     """
-    checkpoint = Path(running) / "search.pickle"
-    if checkpoint.is_file():
-        search = pickle.loads(checkpoint.read_bytes())
-    with Progress(generations, what, initial=len(search.curve)) as progress:
-        while len(search.curve) < generations:
-            candidates = np.array(search.strategy.ask())
-            returns = judge(candidates, search.draws)
-            if not np.isfinite(returns).all():
-                raise BelvedereError(f"{what}: a return is {returns.min()}; look at the stage's input.")
-            search.strategy.tell(list(candidates), list(-returns))
-            search.curve.append((len(search.curve), float(returns.mean()), float(returns.max())))
-            with writing(checkpoint) as aside:
-                aside.write_bytes(pickle.dumps(search))
-            progress.advance(mean=f"{returns.mean():.2f}", best=f"{returns.max():.2f}")
-    return search
+    searches = [run.so_far() for run in runs]
+    done = sum(len(search.curve) for search in searches)
+    with Progress(generations * len(runs), what, initial=done) as progress:
+        while behind := [i for i, search in enumerate(searches) if len(search.curve) < generations]:
+            asked = [searches[i].ask(member=i) for i in behind]
+            judged = list(judge(asked))
+            for generation, returns in zip(asked, judged, strict=True):
+                runs[generation.member].advance(searches[generation.member], generation, returns)
+            mean, best = np.mean(judged), np.max(judged)
+            progress.advance(len(asked), mean=f"{mean:.2f}", best=f"{best:.2f}")
+    return searches

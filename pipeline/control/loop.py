@@ -47,6 +47,10 @@ class Trace:
         """Paper eq. (2): the sum of the rewards, (n,)."""
         return np.asarray(self.reward.sum(axis=1))
 
+    def part(self, episodes: slice) -> Trace:
+        """What happened in some of the episodes."""
+        return Trace(**{f.name: getattr(self, f.name)[episodes] for f in fields(Trace)})
+
     @staticmethod
     def joined(parts: Sequence[Trace], count: int) -> Trace:
         """The first ``count`` episodes of all parts."""
@@ -112,9 +116,3 @@ class Loop:
                 self._free.append(worker)
 
         return Trace.joined(list(self._pool.map(shard, range(0, count, SHARD))), count)
-
-    def judge(self, candidates: np.ndarray, episodes: Episodes) -> np.ndarray:
-        """Mean returns (p,) of candidates (p, parameters), each in all of the episodes."""
-        controllers = Controllers.of(candidates, self.scene.action_size, each=len(episodes))
-        trace = self.run(controllers, episodes.tiled(len(candidates)))
-        return np.asarray(trace.returns.reshape(len(candidates), -1).mean(axis=1))

@@ -53,6 +53,10 @@ class Controllers:
     def __len__(self) -> int:
         return len(self.weight)
 
+    def to(self, device: torch.device | str) -> Controllers:
+        """The same controllers on a device."""
+        return Controllers(self.weight.to(device), self.bias.to(device))
+
     def __call__(self, latents: Tensor, hidden: Tensor) -> Tensor:
         """Actions (n, actions) in (-1, 1) at z (n, 32) and h (n, 256)."""
         features = torch.cat([latents, hidden], dim=1)[:, :, None]

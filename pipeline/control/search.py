@@ -1,51 +1,75 @@
-"""One repeat's search for a controller: where it starts, and by which episodes candidates are judged."""
+"""The repeats' searches for a controller: where they start, and by which episodes candidates are judged."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from pipeline.contract import seeds
 from pipeline.contract.seeds import Stream
-from pipeline.control.evolution import Search, evolve, start
+from pipeline.control.evolution import Generation, Run, Search, evolve, start
 from pipeline.control.first import Experience, from_rewards
-from pipeline.control.loop import Loop
+from pipeline.control.jobs import Job
+from pipeline.control.loops import Loops, judge
 from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.control.policy import hidden_weights, parameters
 from pipeline.sim.draws import draw_episodes
+from pipeline.worldmodel.mdnrnn import MdnRnn
 
 
-def search_controller(
-    loop: Loop,
-    experience: Experience,
-    method: ControllerParams,
-    sizes: SearchSizes,
-    seed: int,
-    repeat: int,
-    running: Path,
-) -> Search:
-    """Evolves a controller in the closed loop.
+@dataclass(frozen=True, eq=False)
+class Repeat:
+    """One repeat's search, before it begins.
 
-    Args:
-        loop: the closed loop, in which candidates are judged.
+    Attributes:
+        number: its draws are the same in every view.
         experience: the random episodes, from which the search starts.
-        method: where it starts and how widely.
-        sizes: of the search.
-        seed: the root of every draw.
-        repeat: its draws are the same in every view.
+        rnn: what h comes from.
         running: folder of the checkpoint, from which a killed search goes on.
     """
-    axes = loop.scene.action_size
 
-    def judge(candidates: np.ndarray, draws: np.random.Generator) -> np.ndarray:
-        return loop.judge(candidates, draw_episodes(loop.scene, sizes.episodes, draws))
+    number: int
+    experience: Experience
+    rnn: MdnRnn
+    running: Path
 
-    candidates = seeds.generator(seed, repeat, Stream.EVOLUTION)
-    draws = seeds.generator(seed, repeat, Stream.TRAINING_EPISODES)
-    first = np.zeros(parameters(axes))
+
+def search_controllers(
+    loops: Loops, repeats: Sequence[Repeat], method: ControllerParams, sizes: SearchSizes, seed: int
+) -> list[Search]:
+    """Evolves the repeats' controllers in their closed loops, generation by generation.
+
+    Args:
+        loops: in which candidates are judged; repeat ``i`` sees through its networks ``i``.
+        repeats: those that search; each ends with the same bytes whichever others do.
+        method: where they start and how widely.
+        sizes: of each search.
+        seed: the root of every draw.
+    """
+
+    def judged(generations: Sequence[Generation]) -> list[np.ndarray]:
+        episodes = [draw_episodes(loops.scene, sizes.episodes, g.draws) for g in generations]
+        pairs = zip(generations, episodes, strict=True)
+        return judge(loops, [Job.of(g.member, g.candidates, e) for g, e in pairs], sizes.population)
+
+    runs = []
+    for repeat in repeats:
+        search = first_search(repeat, loops.scene.action_size, method, sizes, seed)
+        runs.append(Run(search, repeat.running, f"controller, repeat {repeat.number}"))
+    return evolve(runs, judged, sizes.generations, f"controller, {len(repeats)} repeats")
+
+
+def first_search(
+    repeat: Repeat, actions: int, method: ControllerParams, sizes: SearchSizes, seed: int
+) -> Search:
+    """Where a repeat's search starts."""
+    candidates = seeds.generator(seed, repeat.number, Stream.EVOLUTION)
+    draws = seeds.generator(seed, repeat.number, Stream.TRAINING_EPISODES)
+    first = np.zeros(parameters(actions))
     if method.first == "rewards":
-        first = from_rewards(loop.rnn, experience, method.ridge)
-    shares = np.where(hidden_weights(axes), method.hidden_share, 1.0)
-    search = start(first, sizes.population, method, candidates, draws, shares)
-    return evolve(search, judge, sizes.generations, running, f"controller, repeat {repeat}")
+        first = from_rewards(repeat.rnn, repeat.experience, method.ridge)
+    shares = np.where(hidden_weights(actions), method.hidden_share, 1.0)
+    return start(first, sizes.population, method, candidates, draws, shares)

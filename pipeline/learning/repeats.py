@@ -6,6 +6,7 @@ import hashlib
 import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,14 @@ def code_digest(*parts: str) -> str:
     return hasher.hexdigest()
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where a repeat is made: the folder of its results, and that of its checkpoints while it runs."""
+
+    results: Path
+    running: Path
+
+
 def finished(stage: str, repeat: int, make: Callable[[Path, Path], None], **decides: Any) -> Path:
     """The folder of a repeat's results: from the scratch store, or made now.
 
@@ -44,17 +53,42 @@ def finished(stage: str, repeat: int, make: Callable[[Path, Path], None], **deci
     Returns:
         A folder that is complete and must not be changed.
     """
-    home = scratch.folder(stage, repeat, **decides)
-    results, running = home / "results", home / "running"
-    if not results.is_dir():
-        running.mkdir(exist_ok=True)
-        aside = home / f".results.{os.getpid()}.part"
-        shutil.rmtree(aside, ignore_errors=True)
-        aside.mkdir()
-        make(aside, running)
-        aside.replace(results)
-    shutil.rmtree(running, ignore_errors=True)
-    return results
+
+    def make_one(places: Mapping[int, Place]) -> None:
+        make(places[repeat].results, places[repeat].running)
+
+    return finished_together(stage, {repeat: decides}, make_one)[0]
+
+
+def finished_together(
+    stage: str, decides: Mapping[int, Mapping[str, Any]], make: Callable[[Mapping[int, Place]], None]
+) -> list[Path]:
+    """The folders of several repeats' results; those that the scratch store lacks are made in one go.
+
+    Args:
+        stage: the stage's name.
+        decides: of each repeat, what decides its result.
+        make: called with the places of the repeats that are not finished yet, if there are any.
+
+    Returns:
+        A folder for each repeat, complete, which must not be changed.
+    """
+    homes = {repeat: scratch.folder(stage, repeat, **facts) for repeat, facts in decides.items()}
+    missing = {repeat: home for repeat, home in homes.items() if not (home / "results").is_dir()}
+    places = {
+        r: Place(home / f".results.{os.getpid()}.part", home / "running") for r, home in missing.items()
+    }
+    for place in places.values():
+        place.running.mkdir(exist_ok=True)
+        shutil.rmtree(place.results, ignore_errors=True)
+        place.results.mkdir()
+    if places:
+        make(places)
+    for repeat, place in places.items():
+        place.results.replace(homes[repeat] / "results")
+    for home in homes.values():
+        shutil.rmtree(home / "running", ignore_errors=True)
+    return [home / "results" for home in homes.values()]
 
 
 def publish(

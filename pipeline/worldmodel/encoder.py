@@ -38,6 +38,12 @@ class Encoder:
         return self.posterior(pictures_uint8)[0]
 
     @torch.inference_mode()
+    def latents(self, pictures_uint8: Tensor) -> Tensor:
+        """Posterior means (n, 32), float32, of bytes (n, 64, 64, 3), left where the network computes."""
+        both = torch.cat([self._encode(part) for part in pictures_uint8.split(BATCH)])
+        return both.float().chunk(2, dim=1)[0]
+
+    @torch.inference_mode()
     def posterior(self, pictures_uint8: np.ndarray | Tensor) -> tuple[Tensor, Tensor]:
         """Posterior means and log variances, each (n, 32), float32, of bytes (n, 64, 64, 3)."""
         parts = torch.as_tensor(pictures_uint8).split(BATCH)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 import torch
 
+from pipeline.control.jobs import Networks
 from pipeline.control.loop import Loop
 from pipeline.learning.device import Compute
 from pipeline.sim.camera import viewpoint
@@ -37,3 +38,19 @@ def loops(scene: Scene, world_model: tuple[Vae, MdnRnn]) -> dict[int, Loop]:
     vae, rnn = world_model
     encoder = Encoder(vae, Compute(torch.device("cpu"), torch.float32, 1))
     return {threads: Loop(scene, viewpoint("panda_2dof", 0, 0), encoder, rnn, threads) for threads in (1, 2)}
+
+
+@pytest.fixture(scope="session")
+def networks(scene: Scene) -> list[Networks]:
+    """The networks of two repeats, on the CPU; they have learned nothing."""
+    return untrained(scene.action_size, torch.device("cpu"))
+
+
+def untrained(actions: int, device: torch.device) -> list[Networks]:
+    """Two different world models whose encoders compute on ``device``, in float32."""
+    made = []
+    for seed in (1, 2):
+        torch.manual_seed(seed)
+        encoder = Encoder(Vae().eval().requires_grad_(False), Compute(device, torch.float32, 1))
+        made.append(Networks(encoder, MdnRnn(actions, log_sigma_bound=5.0).eval().requires_grad_(False)))
+    return made

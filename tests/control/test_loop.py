@@ -55,11 +55,3 @@ def test_it_does_what_one_world_in_a_plain_loop_does(
             h, c = cell(torch.cat([z, action[None]], dim=1), (h, c))
     np.testing.assert_allclose(trace.tip_m[1, -1], worlds.tip[0], atol=1e-4)
     np.testing.assert_allclose(trace.returns[1], total, atol=1e-4)
-
-
-def test_every_candidate_is_judged_by_the_same_episodes(scene: Scene, loops: dict[int, Loop]) -> None:
-    episodes, flat = draw_episodes(scene, 5, RNG), candidates(scene, 3)
-    together = loops[2].judge(flat, episodes)
-    alone = [loops[2].judge(one[None], episodes)[0] for one in flat]
-    np.testing.assert_allclose(together, alone, atol=1e-5)
-    assert len(set(together)) == 3

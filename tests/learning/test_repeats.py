@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
-from pipeline.learning.repeats import branch_metrics, code_digest, finished
+from pipeline.learning.repeats import Place, branch_metrics, code_digest, finished, finished_together
 
 
 @pytest.fixture(autouse=True)
@@ -41,6 +42,24 @@ def test_a_repeat_that_broke_off_finds_its_checkpoint_and_leaves_no_result() -> 
     with pytest.raises(KeyboardInterrupt):
         finished("vae", 0, breaks, inputs="a")
     assert (finished("vae", 0, continues, inputs="a") / "weights.pt").read_text() == "so far"
+
+
+def test_only_the_repeats_that_are_missing_are_made_and_together() -> None:
+    asked = []
+
+    def make(places: Mapping[int, Place]) -> None:
+        asked.append(list(places))
+        for repeat, place in places.items():
+            (place.results / "weights.pt").write_text(f"{repeat} of {len(places)}")
+
+    (second,) = finished_together("controller", {1: {"inputs": "b"}}, make)
+    found = finished_together("controller", {r: {"inputs": name} for r, name in enumerate("abc")}, make)
+    assert found[1] == second
+    assert [(f / "weights.pt").read_text() for f in found] == ["0 of 2", "1 of 1", "2 of 2"]
+    assert (
+        finished_together("controller", {r: {"inputs": name} for r, name in enumerate("abc")}, make) == found
+    )
+    assert asked == [[1], [0, 2]]
 
 
 def test_code_counts() -> None:

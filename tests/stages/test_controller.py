@@ -29,8 +29,8 @@ def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: p
     assert curve.columns == ["repeat", "generation", "frames", "mean", "best"]
     assert curve["frames"].to_list() == [4 * 2 * FRAMES, 2 * 4 * 2 * FRAMES]
     calls = []
-    judge = loop.Loop.judge
-    monkeypatch.setattr(loop.Loop, "judge", lambda *arguments: calls.append(1) or judge(*arguments))
+    run = loop.Loop.run
+    monkeypatch.setattr(loop.Loop, "run", lambda *arguments: calls.append(1) or run(*arguments))
     write_params(workplace, repeats=2)
     controller.main(**VIEW, **models, **OUTS)
     assert len(calls) == 2
@@ -38,6 +38,22 @@ def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: p
     second = load_controller(workplace / "controller/repeat_1.npz", ACTIONS)
     assert (second != load_controller(workplace / "controller/repeat_0.npz", ACTIONS)).all()
     assert pl.read_csv(workplace / "curve.csv")["repeat"].to_list() == [0, 0, 1, 1]
+
+
+def test_repeats_that_evolve_together_equal_those_that_evolve_one_by_one(
+    workplace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    models = write_world_model(workplace, repeats=3) | write_latents(workplace, repeats=3)
+    outs = {name: workplace / path for name, path in OUTS.items()}
+    found = []
+    for scratch, steps in (("together", (3,)), ("one by one", (1, 2, 3))):
+        monkeypatch.setenv("BELVEDERE_SCRATCH", str(workplace / scratch))
+        for repeats in steps:
+            write_params(workplace, repeats=repeats)
+            controller.main(**VIEW, **models, **OUTS)
+        controllers = [outs["out"] / f"repeat_{repeat}.npz" for repeat in range(3)]
+        found.append([path.read_bytes() for path in (*controllers, outs["curve"])])
+    assert found[0] == found[1]
 
 
 def test_a_missing_world_model_leaves_nothing_behind(workplace: Path) -> None:

@@ -1,0 +1,54 @@
+"""The closed loops of several world models, such as a viewpoint's repeats: on the CPU or on a GPU."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Protocol
+
+import numpy as np
+import torch
+
+from pipeline.control.device_loop import DeviceLoop
+from pipeline.control.jobs import Job, Networks
+from pipeline.control.loop import Loop, Trace
+from pipeline.sim.camera import Viewpoint
+from pipeline.sim.scene import Scene
+
+
+class Loops(Protocol):
+    """Runs jobs; which networks they see through is each job's own."""
+
+    scene: Scene
+
+    def run(self, jobs: Sequence[Job]) -> Iterable[Trace]:
+        """What happened in each job, in their order.
+
+        Raises:
+            BelvedereError: a controller or its world model gives actions that are no numbers.
+        """
+
+
+class HostLoops:
+    """One :class:`Loop` for each world model, one job after the other: a job fills the cores by itself."""
+
+    def __init__(self, scene: Scene, view: Viewpoint, networks: Sequence[Networks], threads: int) -> None:
+        self.scene = scene
+        self._loops = [Loop(scene, view, each.encoder, each.rnn, threads) for each in networks]
+
+    def run(self, jobs: Sequence[Job]) -> Iterator[Trace]:
+        """Each job's trace, as soon as it is done."""
+        return (self._loops[job.member].run(job.controllers, job.episodes) for job in jobs)
+
+
+def closed_loops(
+    scene: Scene, view: Viewpoint, networks: Sequence[Networks], device: torch.device, threads: int
+) -> Loops:
+    """The loops for a device: on CUDA all jobs are one batch there, on the CPU ``threads`` share each."""
+    if device.type == "cuda":
+        return DeviceLoop(scene, view, networks, device)
+    return HostLoops(scene, view, networks, threads)
+
+
+def judge(loops: Loops, jobs: Sequence[Job], candidates: int) -> list[np.ndarray]:
+    """Mean returns (p,) of the ``candidates`` p of each job of :meth:`Job.of`, over the job's episodes."""
+    return [trace.returns.reshape(candidates, -1).mean(axis=1) for trace in loops.run(jobs)]
