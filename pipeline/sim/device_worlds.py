@@ -89,6 +89,8 @@ class DeviceWorlds:
         fields = start_fields(self.scene, episodes)
         with wp.ScopedDevice(self.device):
             mjw.reset_data(self._model, self._data)
+            for left in (self._data.cvel, self._data.cdof_dot):  # a weld reads those of the step before
+                left.zero_()
             for name, values in fields.items():
                 _upload(getattr(self._data, name), values)
             _upload(self.target, episodes.target_m)

@@ -1,0 +1,149 @@
+"""Worlds on a device against MuJoCo's: the same physics in float32, the same pictures to the byte."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import warp as wp
+
+from pipeline.contract.errors import BelvedereError
+from pipeline.sim import device_worlds
+from pipeline.sim.device_worlds import DeviceWorlds, start_fields
+from pipeline.sim.draws import Episodes, draw_episodes
+from pipeline.sim.drives import drive
+from pipeline.sim.images import Images
+from pipeline.sim.scene import Scene
+from pipeline.sim.worlds import Worlds
+from tests.sim.conftest import SCENES, VIEWS, compiled
+from tests.sim.device_cases import DEVICES
+
+COUNT, SHORT = 2, 3
+# mujoco_warp computes in float32. The Panda stays within a few micrometres of MuJoCo; Fetch, whose
+# fingers rest on its own hand and whose weld is stiff, within a few tenths of a millimetre.
+TIP_M = {"panda": 2e-5, "fetch": 1e-3}
+# A ray that just meets an edge may miss it on another device, whose compiler rounds otherwise.
+CUDA_PIXELS = 0.002
+
+
+def view(scene: Scene) -> object:
+    return next(view for view in VIEWS if view.scene == scene.name)
+
+
+def drawn(scene: Scene, frames: int, seed: int = 1) -> tuple[Episodes, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    actions = rng.uniform(-1, 1, (frames, COUNT, scene.action_size)).astype(np.float32)
+    return draw_episodes(scene, COUNT, rng), actions
+
+
+def play(worlds: DeviceWorlds, episodes: Episodes, actions: np.ndarray) -> dict[str, np.ndarray]:
+    """Tips, rewards, positions and pictures after each frame."""
+    worlds.reset(episodes)
+    seen: dict[str, list[np.ndarray]] = {name: [] for name in ("tip", "reward", "qpos", "rgb")}
+    for action in actions:
+        worlds.action.assign(action)
+        worlds.step()
+        for name, values in seen.items():
+            values.append(getattr(worlds, name).numpy().copy())
+    worlds.check()
+    return {name: np.stack(values) for name, values in seen.items()}
+
+
+def hold_against_mujoco(name: str, device: str, actions: np.ndarray, episodes: Episodes) -> None:
+    scene = compiled(name)
+    on_device = play(DeviceWorlds(scene, view(scene), COUNT, device), episodes, actions)
+    worlds, images = Worlds(scene, COUNT), Images(scene, view(scene), COUNT)
+    worlds.reset(episodes)
+    tolerance_m = TIP_M[scene.params.robot]
+    for frame, action in enumerate(actions):
+        reward = worlds.step(action.astype(np.float64))
+        np.testing.assert_allclose(on_device["tip"][frame], worlds.tip, atol=tolerance_m)
+        np.testing.assert_allclose(on_device["reward"][frame], reward, atol=tolerance_m)
+        expected = images.render(on_device["qpos"][frame], worlds.target)
+        off = (on_device["rgb"][frame] != expected).any(axis=-1).mean()
+        assert off <= (0.0 if device == "cpu" else CUDA_PIXELS)
+
+
+@pytest.mark.parametrize("device", DEVICES)
+@pytest.mark.parametrize("name", ["panda_2dof", "fetch_reach"])
+def test_a_few_frames_are_mujocos(name: str, device: str) -> None:
+    episodes, actions = drawn(compiled(name), SHORT)
+    hold_against_mujoco(name, device, actions, episodes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("device", DEVICES)
+@pytest.mark.parametrize("name", SCENES)
+def test_a_whole_episode_is_mujocos(name: str, device: str) -> None:
+    episodes, actions = drawn(compiled(name), compiled(name).frames)
+    hold_against_mujoco(name, device, actions, episodes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("device", DEVICES)
+def test_the_obstacle_stops_the_hand_as_in_mujoco(device: str) -> None:
+    """What touches is where float32 could tell most."""
+    scene = compiled("panda_2dof_obstacle")
+    box = scene.params.obstacles[0]
+    start = np.array([[box.center_m[0], -box.half_size_m[1] - 0.08, 0.09]] * COUNT)
+    push = np.zeros((20, COUNT, 2), np.float32)
+    push[..., 0] = 1.0
+    hold_against_mujoco(scene.name, device, push, Episodes(start, start * [1, -1, 1]))
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_worlds_keep_nothing_of_an_episode(device: str) -> None:
+    """On CUDA this is also the first frame and the captured graph against each other."""
+    scene = compiled("fetch_reach")
+    worlds, (episodes, actions) = DeviceWorlds(scene, view(scene), COUNT, device), drawn(scene, SHORT)
+    first = play(worlds, episodes, actions)
+    play(worlds, *drawn(scene, 1, seed=2))
+    again = play(worlds, episodes, actions)
+    for name, values in first.items():
+        if device == "cpu":
+            np.testing.assert_array_equal(values, again[name])
+        elif name != "rgb":
+            np.testing.assert_allclose(values, again[name], atol=1e-4)
+
+
+def test_episodes_that_begin_alike_are_solved_once_to_the_same_bits() -> None:
+    scene = compiled("panda_2dof")
+    episodes = draw_episodes(scene, 3, np.random.default_rng(3)).tiled(2)
+    fields = start_fields(scene, episodes)
+    for name, values in drive(scene, 6, 1).reset(episodes.start_m, episodes.target_m).items():
+        np.testing.assert_array_equal(fields[name], values)
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_an_action_that_is_no_number_is_told(device: str) -> None:
+    scene = compiled("panda_2dof")
+    episodes, actions = drawn(scene, 1)
+    actions[0, 1, 0] = np.nan
+    with pytest.raises(BelvedereError, match="not a number"):
+        play(DeviceWorlds(scene, view(scene), COUNT, device), episodes, actions)
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_too_little_room_for_what_touches_is_told(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fetch's weld alone takes six constraints."""
+    monkeypatch.setattr(device_worlds, "_CONSTRAINTS", 4)
+    scene = compiled("fetch_reach")
+    with pytest.raises(BelvedereError, match="more than 48 contacts or 4 constraints"):
+        play(DeviceWorlds(scene, view(scene), COUNT, device), *drawn(scene, 1))
+
+
+def test_a_frame_leaves_nothing_to_the_host(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No array goes through NumPy within a step: on CUDA each would wait for the device."""
+    scene = compiled("panda_2dof")
+    worlds, (episodes, _) = DeviceWorlds(scene, view(scene), COUNT, "cpu"), drawn(scene, 1)
+    worlds.reset(episodes)
+    short = replace(scene, params=scene.params.model_copy(update={"substeps": 1}))
+    monkeypatch.setattr(worlds, "scene", short)
+
+    def refused(*_: object, **__: object) -> None:
+        raise AssertionError("an array went to or came from the host")
+
+    for name in ("numpy", "assign", "list"):
+        monkeypatch.setattr(wp.array, name, refused)
+    worlds.step()
