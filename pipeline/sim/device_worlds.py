@@ -45,11 +45,13 @@ def measure(
 class DeviceWorlds:
     """``count`` worlds and their pictures from one viewpoint; nothing goes to the host in a step.
 
+    A step is a graph of some thousand kernels, captured once and launched as one, on CUDA as on the CPU.
+
     Args:
         scene: the compiled scene.
         view: where the camera stands.
         count: how many worlds.
-        device: where Warp computes; on CUDA a step is one captured graph.
+        device: where Warp computes.
 
     Attributes (all on the device, always the same memory, so that others may share it):
         action: to be filled in before each step, (count, action_size), float32, shares of the largest
@@ -76,7 +78,7 @@ class DeviceWorlds:
             self.qpos = self._data.qpos
             mjw.kinematics(self._model, self._data)
             self.rgb = self._look()
-            self._graph = self._captured() if self.device.is_cuda else None
+            self._graph = self._captured()
 
     def reset(self, episodes: Episodes) -> None:
         """Starts one episode per world.
@@ -103,10 +105,7 @@ class DeviceWorlds:
     def step(self) -> None:
         """Moves every world one frame on, by :attr:`action`, and draws it."""
         with wp.ScopedDevice(self.device):
-            if self._graph is None:
-                self._frame()
-            else:
-                wp.capture_launch(self._graph)
+            wp.capture_launch(self._graph)
 
     def check(self) -> None:
         """Looks, at the end of an episode, whether anything went wrong in it; waits for the device.
@@ -124,9 +123,9 @@ class DeviceWorlds:
             )
 
     def _captured(self) -> wp.Graph:
-        """A frame as a graph of kernels; they are loaded by a first one, which a capture could not do."""
+        """A frame as a graph of kernels; a first frame loads them, which a capture may not be able to."""
         self._frame()
-        with wp.ScopedCapture(device=self.device) as capture:
+        with wp.ScopedCapture(device=self.device, force_module_load=False) as capture:
             self._frame()
         return capture.graph
 
