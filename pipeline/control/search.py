@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from pipeline.contract import seeds
+from pipeline.contract.machine import cores
 from pipeline.contract.seeds import Stream
 from pipeline.control.evolution import Generation, Run, Search, evolve, start
 from pipeline.control.first import Experience, from_rewards
@@ -51,15 +53,16 @@ def search_controllers(
     """
 
     def judged(generations: Sequence[Generation]) -> list[np.ndarray]:
-        episodes = [draw_episodes(loops.scene, sizes.episodes, g.draws) for g in generations]
-        pairs = zip(generations, episodes, strict=True)
+        drawn = pool.map(lambda g: draw_episodes(loops.scene, sizes.episodes, g.draws), generations)
+        pairs = zip(generations, drawn, strict=True)
         return judge(loops, [Job.of(g.member, g.candidates, e) for g, e in pairs], sizes.population)
 
     runs = []
     for repeat in repeats:
         search = first_search(repeat, loops.scene.action_size, method, sizes, seed)
         runs.append(Run(search, repeat.running, f"controller, repeat {repeat.number}"))
-    return evolve(runs, judged, sizes.generations, f"controller, {len(repeats)} repeats")
+    with ThreadPoolExecutor(cores()) as pool:  # a GPU would wait for what is drawn one by one
+        return evolve(runs, judged, sizes.generations, f"controller, {len(repeats)} repeats")
 
 
 def first_search(

@@ -24,8 +24,8 @@ from pipeline.sim.worlds import not_a_number
 
 wp.set_module_options({"enable_backward": False})
 
-_CONTACTS = 48  # room for so many a world; scenes that need more are told
-_CONSTRAINTS = 128  # likewise; a contact takes up to six
+_CONTACTS = 48  # room for so many a world, which worlds share; the scenes' own need 6
+_CONSTRAINTS = 128  # room for so many in each; the scenes' own need 51
 
 
 @wp.kernel
@@ -69,6 +69,7 @@ class DeviceWorlds:
         with wp.ScopedDevice(self.device):
             self._model = mjw.put_model(scene.model)
             self._model.opt.graph_conditional = self.device.is_cpu or wp.is_conditional_graph_supported()
+            self._model.opt.warn_overflow = 0  # :meth:`check` tells it once
             room = {"nconmax": _CONTACTS, "njmax": _CONSTRAINTS}
             self._data = mjw.make_data(scene.model, nworld=count, **room)
             self._wishes, self._drive = Wishes(scene, count), device_drive(scene, self._model, count)
@@ -117,9 +118,9 @@ class DeviceWorlds:
             raise not_a_number(self.scene)
         if self._data.overflow.numpy().any():
             raise BelvedereError(
-                f"scene {self.scene.name}: a world has more than {_CONTACTS} contacts or {_CONSTRAINTS} "
-                "constraints at a time, the most that worlds on a device have room for; simplify the scene, "
-                "or use BELVEDERE_DEVICE=cpu."
+                f"scene {self.scene.name}: too much touches at a time: worlds on a device have room for "
+                f"{_CONTACTS} contacts each, all in all, and {_CONSTRAINTS} constraints each; simplify the "
+                "scene, or use BELVEDERE_DEVICE=cpu."
             )
 
     def _captured(self) -> wp.Graph:

@@ -24,9 +24,14 @@ from tests.sim.device_cases import DEVICES
 
 CPU = torch.device("cpu")
 FIELDS = ("qpos", "tip_m", "action", "reward")
-# Of an episode of 50 frames, m: the Panda's return is right to a tenth of a millimetre a frame, and Fetch's,
-# whose float32 physics drift more, to a millimetre a frame.
-RETURN_M = {"panda": 5e-3, "fetch": 5e-2}
+# Of an episode of 50 frames, m; mujoco_warp's float32 makes most of it, in Fetch more than in the Panda.
+RETURN_M = {"panda": 1e-3, "fetch": 1e-2}
+
+
+@pytest.fixture(autouse=True)
+def _no_tf32(monkeypatch: pytest.MonkeyPatch) -> None:
+    """CUDA's convolutions in float32 are float32: what is compared is the loop."""
+    monkeypatch.setattr(torch.backends.cudnn, "allow_tf32", False)
 
 
 def jobs(scene: Scene, candidates: int, episodes: int, members: Sequence[int] = (1, 0)) -> list[Job]:

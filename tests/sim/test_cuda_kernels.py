@@ -5,10 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from types import ModuleType
 
+import mujoco
+import numpy as np
 import pytest
 import warp as wp
 
-from pipeline.sim import device_drives, device_ik, device_worlds, painting, raytracer
+from pipeline.sim import device_drives, device_ik, device_worlds, drawn, packets, painting, raytracer
+from tests.sim.conftest import compiled
 
 HOPPER = 90  # compute capability 9.0: H100 and H200
 MODULES = (raytracer, painting, device_ik, device_drives, device_worlds)
@@ -30,3 +33,70 @@ def test_a_module_compiles_for_cuda(module: ModuleType, tmp_path: Path) -> None:
     }
     for name in kernels(module):
         assert any(entry.startswith(f"{name}_") for entry in entries), (name, entries)
+
+
+@wp.func_native(packets._QUERY.replace("defined(__CUDA_ARCH__)", "1"))
+def meet_mesh_as_on_cuda(
+    mesh_id: wp.uint64,
+    origin: wp.vec3,
+    rotation: wp.mat33,
+    rays: wp.array2d[float],
+    world: int,
+    packet: int,
+    slot: int,
+    distances: wp.array2d[float],
+    slots: wp.array2d[int],
+    faces: wp.array2d[int],
+    us: wp.array2d[float],
+    vs: wp.array2d[float],
+) -> float:
+    """What :func:`pipeline.sim.packets.meet_mesh` is on CUDA, on the CPU: each ray alone."""
+
+
+@wp.kernel
+def meet(
+    as_on_cuda: bool,
+    mesh: wp.uint64,
+    origin: wp.vec3,
+    rays: wp.array2d[float],
+    distances: wp.array2d[float],
+    slots: wp.array2d[int],
+    faces: wp.array2d[int],
+    us: wp.array2d[float],
+    vs: wp.array2d[float],
+) -> None:
+    packet, turn = wp.tid(), wp.identity(n=3, dtype=float)
+    if as_on_cuda:
+        meet_mesh_as_on_cuda(mesh, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs)
+    else:
+        packets.meet_mesh(mesh, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs)
+
+
+def test_rays_meet_alone_what_they_meet_in_packets() -> None:
+    """CUDA takes another way through a mesh than the CPU; both must see the same."""
+    model, count = compiled("panda_2dof").model, 64
+    mesh = int(model.geom_dataid[np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_MESH)[-1]])
+    made, aims = drawn._mesh(model, mesh), drawn._faces(model, mesh)[0]
+    rng = np.random.default_rng(1)
+    middle, size = aims.mean(axis=0), np.ptp(aims, axis=0).max()
+    origin = middle + size * np.array([1.0, 1.5, 0.5])
+    directions = middle + 0.4 * size * rng.uniform(-1, 1, (count * packets.LANES, 3)) - origin
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    found = []
+    for as_on_cuda in (True, False):
+        rays = wp.array(directions.T, dtype=float, device="cpu")
+        distance = wp.full((1, rays.shape[1]), raytracer.FAR_M, dtype=float, device="cpu")
+        whole, real = (
+            [wp.full(distance.shape, -1, dtype=kind, device="cpu") for _ in range(2)] for kind in (int, float)
+        )
+        inputs = [as_on_cuda, made.id, wp.vec3(*origin), rays, distance, *whole, *real]
+        wp.launch(meet, dim=count, inputs=inputs, device="cpu")
+        found.append([array.numpy()[0] for array in (distance, *whole, *real)])
+    hit = found[0][1] == 7
+    assert 0.1 < hit.mean() < 0.9
+    np.testing.assert_array_equal(found[0][1], found[1][1])
+    np.testing.assert_allclose(found[0][0], found[1][0], rtol=1e-5)
+    same = hit & (found[0][2] == found[1][2])
+    assert same.sum() > 0.98 * hit.sum()  # a ray on an edge may take either face
+    for ours, theirs in zip(found[0][3:], found[1][3:], strict=True):
+        np.testing.assert_allclose(ours[same], theirs[same], atol=2e-3)

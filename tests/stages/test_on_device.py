@@ -45,6 +45,7 @@ def test_they_do_what_they_do_on_the_cpu(
         monkeypatch.setattr(stage, "closed_loops", on_device)
     monkeypatch.setenv("BELVEDERE_DEVICE", place.type)
     monkeypatch.setenv("BELVEDERE_DTYPE", "float32")
+    monkeypatch.setattr(torch.backends.cudnn, "allow_tf32", False)
     monkeypatch.setenv("BELVEDERE_SCRATCH", str(workplace / "another"))
     found = stages(models)
     assert asked == [2, 2]  # both repeats in one loop
