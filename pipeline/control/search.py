@@ -52,16 +52,17 @@ def search_controllers(
         seed: the root of every draw.
     """
 
-    def judged(generations: Sequence[Generation]) -> list[np.ndarray]:
-        drawn = pool.map(lambda g: draw_episodes(loops.scene, sizes.episodes, g.draws), generations)
-        pairs = zip(generations, drawn, strict=True)
-        return judge(loops, [Job.of(g.member, g.candidates, e) for g, e in pairs], sizes.population)
-
     runs = []
     for repeat in repeats:
         search = first_search(repeat, loops.scene.action_size, method, sizes, seed)
         runs.append(Run(search, repeat.running, f"controller, repeat {repeat.number}"))
     with ThreadPoolExecutor(cores()) as pool:  # a GPU would wait for what is drawn one by one
+
+        def judged(generations: Sequence[Generation]) -> list[np.ndarray]:
+            drawn = pool.map(lambda g: draw_episodes(loops.scene, sizes.episodes, g.draws), generations)
+            pairs = zip(generations, drawn, strict=True)
+            return judge(loops, [Job.of(g.member, g.candidates, e) for g, e in pairs], sizes.population)
+
         return evolve(runs, judged, sizes.generations, f"controller, {len(repeats)} repeats")
 
 
