@@ -41,7 +41,7 @@ def entry(main: Callable[..., None], argv: Sequence[str] | None = None) -> None:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(1) from None
     except KeyboardInterrupt:
-        raise SystemExit(130) from None
+        os._exit(130)  # at once: an ordinary exit waits for threads, and a training can take hours
 
 
 def parser(main: Callable[..., None]) -> argparse.ArgumentParser:

@@ -1,4 +1,4 @@
-"""Finished repeats: each is made once per inputs, parameters, code and machine kind (no torch here)."""
+"""Repeats: side by side, each made once per inputs, parameters, code and machine kind (no torch here)."""
 
 from __future__ import annotations
 
@@ -6,11 +6,15 @@ import hashlib
 import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pipeline.contract import scratch
 from pipeline.contract.artefacts import read_json, write_json, writing
+from pipeline.contract.machine import cores
+
+Result = TypeVar("Result")
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -28,6 +32,16 @@ def code_digest(*parts: str) -> str:
             hasher.update(file.relative_to(PACKAGE).as_posix().encode() + b"\0")
             hasher.update(file.read_bytes() + b"\0")
     return hasher.hexdigest()
+
+
+def side_by_side(make: Callable[[int], Result], repeats: int) -> list[Result]:
+    """``make(repeat)`` of each repeat, as many at a time as there are cores, each in one thread.
+
+    Networks this small gain little from a second thread and repeats need nothing of each other; torch
+    releases the interpreter's lock in its operations.
+    """
+    with ThreadPoolExecutor(min(repeats, cores())) as pool:
+        return list(pool.map(make, range(repeats)))
 
 
 def finished(stage: str, repeat: int, make: Callable[[Path, Path], None], **decides: Any) -> Path:
