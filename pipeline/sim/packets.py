@@ -20,7 +20,8 @@ KINDS = (PLANE, _SPHERE, _CAPSULE, _CYLINDER, _ELLIPSOID, _BOX, MESH)
 
 # Walks the search tree of a wp.Mesh with 16 rays at once. A node is entered if any ray meets its box
 # nearer than what that ray has met; the nearer child comes first. All rays start at one point, so
-# of a triangle's test all but three dot products a ray are done once (Möller and Trumbore 1997).
+# of a triangle's test all but three dot products a ray are done once (Möller and Trumbore 1997), and
+# a triangle that shows that point its back is passed over, as MuJoCo's renderer does.
 # Returns how far the farthest of the 16 rays now reaches. On CUDA each ray goes alone.
 _QUERY = """
 const int base = packet * 16;
@@ -70,12 +71,14 @@ while (true) {
     if (lower.b) {
         for (int item = lower.i; item < (int)upper.i; ++item) {
             const int primitive = mesh.bvh.primitive_indices[item];
-            const wp::vec3 a = mesh.points[mesh.indices[3 * primitive]];
-            const wp::vec3 e = mesh.points[mesh.indices[3 * primitive + 1]] - a;
-            const wp::vec3 f = mesh.points[mesh.indices[3 * primitive + 2]] - a;
-            const wp::vec3 s = origin - a;
-            const wp::vec3 n = wp::cross(f, e), p = wp::cross(f, s), q = wp::cross(s, e);
-            const float volume = wp::dot(f, q);
+            const float* triangle = triangles.data + (first_triangle + primitive) * triangles.shape[1];
+            const wp::vec3 s(origin[0] - triangle[0], origin[1] - triangle[1], origin[2] - triangle[2]);
+            const wp::vec3 n(triangle[9], triangle[10], triangle[11]);
+            const float volume = -wp::dot(n, s);
+            if (volume <= 0.0f) continue;
+            const wp::vec3 e(triangle[3], triangle[4], triangle[5]);
+            const wp::vec3 f(triangle[6], triangle[7], triangle[8]);
+            const wp::vec3 p = wp::cross(f, s), q = wp::cross(s, e);
             const Floats towards = dx * n[0] + dy * n[1] + dz * n[2];
             const Floats scale = 1.0f / (towards == 0.0f ? tiny : towards);
             const Floats at_e = (dx * p[0] + dy * p[1] + dz * p[2]) * scale;
@@ -162,6 +165,8 @@ def meet_primitive(
 @wp.func_native(_QUERY)
 def meet_mesh(  # type: ignore[empty-body]
     mesh_id: wp.uint64,
+    triangles: wp.array2d[float],
+    first_triangle: int,
     origin: wp.vec3,
     rotation: wp.mat33,
     rays: wp.array2d[float],
@@ -174,4 +179,7 @@ def meet_mesh(  # type: ignore[empty-body]
     us: wp.array2d[float],
     vs: wp.array2d[float],
 ) -> float:
-    """A packet against a mesh; returns how far the farthest ray now reaches."""
+    """A packet against a mesh; returns how far the farthest ray now reaches.
+
+    A mesh's rows of ``triangles`` hold a corner, the two edges from it, f x e, of each face.
+    """
