@@ -6,13 +6,15 @@ import hashlib
 import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pipeline.contract import scratch
 from pipeline.contract.artefacts import read_json, write_json, writing
-from pipeline.contract.machine import cores
+from pipeline.contract.machine import CORES_VARIABLE, cores
+from pipeline.contract.stage import die_with_parent
 
 Result = TypeVar("Result")
 
@@ -42,6 +44,25 @@ def side_by_side(make: Callable[[int], Result], repeats: int) -> list[Result]:
     """
     with ThreadPoolExecutor(min(repeats, cores())) as pool:
         return list(pool.map(make, range(repeats)))
+
+
+def in_processes(make: Callable[[int], Result], repeats: int) -> list[Result]:
+    """The same, each repeat in a process of its own: for what draws from generators that a process shares.
+
+    ``make`` and its results go through pickle. One repeat at a time needs no other process.
+    """
+    workers = min(repeats, cores())
+    if workers <= 1:
+        return [make(repeat) for repeat in range(repeats)]
+    share = max(1, cores() // workers)
+    with ProcessPoolExecutor(workers, get_context("spawn"), _begin_process, (share,)) as pool:
+        return list(pool.map(make, range(repeats)))
+
+
+def _begin_process(share: int) -> None:
+    """Runs first in each process of :func:`in_processes`."""
+    die_with_parent()
+    os.environ[CORES_VARIABLE] = str(share)
 
 
 def finished(stage: str, repeat: int, make: Callable[[Path, Path], None], **decides: Any) -> Path:
