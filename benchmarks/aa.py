@@ -29,7 +29,7 @@ def simulated(scene: str) -> str:
     left = residuals(results.scores)
     found = resampled(left, TABLES, CONFIDENCE, np.random.default_rng(SEED))
     views, repeats = left.shape
-    return f"{scene}: {views} views, {repeats} repeats, {TABLES} tables: {1 - found.differences:.1%} false positives"
+    return f"{scene}: {views} views, {repeats} repeats: {1 - found.differences:.1%} of {TABLES} tables"
 
 
 def real(path: Path, returns: np.ndarray) -> str:

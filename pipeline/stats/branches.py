@@ -176,7 +176,7 @@ def _check_made_alike(scene: str, made_with: Mapping[str, Mapping[str, Any]], na
                 raise BelvedereError(
                     f"scene {scene} was made differently: {name} is {there.get(name)!r} for {key} but "
                     f"{here.get(name)!r} for {first}; rerun one of them as the other was made "
-                    f"({by}), or set BELVEDERE_MIX=allow to rank them nevertheless."
+                    f"(`{by}dvc repro`), or set BELVEDERE_MIX=allow to rank them nevertheless."
                 )
 
 
