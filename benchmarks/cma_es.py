@@ -18,7 +18,7 @@ from pipeline.sim.draws import draw_episodes
 
 SCENES = ("panda_1dof", "panda_2dof", "fetch_reach")  # 289, 578 and 867 parameters
 GOAL = 0.05
-GENERATIONS = 5
+GENERATIONS = 4
 
 
 def measure() -> list[Row]:

@@ -16,6 +16,7 @@ import torch
 from torch import nn
 
 from benchmarks.loops import Setting
+from benchmarks.render import stripped_renderer
 from benchmarks.vae import published
 from pipeline.control.policy import FEATURES
 from pipeline.sim.draws import Episodes
@@ -28,7 +29,6 @@ from pipeline.worldmodel.vae import LATENTS
 
 Draw = Callable[[mujoco.MjData], np.ndarray]  # bytes (64, 64, 3)
 STRIPPED, AS_IT_COMES = "stripped", "as it comes"
-_LEFT_OUT = (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION)
 
 
 def renderer(model: mujoco.MjModel, kind: str) -> Draw:
@@ -38,13 +38,10 @@ def renderer(model: mujoco.MjModel, kind: str) -> Draw:
     do unless told otherwise.
     """
     if kind == STRIPPED:
-        model.vis.quality.offsamples = model.vis.quality.shadowsize = 0
+        made = stripped_renderer(model)
     else:
         model.light_castshadow[:] = True
-    made = mujoco.Renderer(model, PICTURE_SIZE, PICTURE_SIZE)
-    if kind == STRIPPED:
-        for flag in _LEFT_OUT:
-            made.scene.flags[flag] = 0
+        made = mujoco.Renderer(model, PICTURE_SIZE, PICTURE_SIZE)
 
     def draw(data: mujoco.MjData) -> np.ndarray:
         made.update_scene(data, CAMERA)

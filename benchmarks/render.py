@@ -63,17 +63,23 @@ def states(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     return worlds.qpos, worlds.target
 
 
+def stripped_renderer(model: mujoco.MjModel) -> mujoco.Renderer:
+    """MuJoCo's renderer of 64 × 64 pictures without shadows, reflections, multisampling; changes the model."""
+    model.vis.quality.offsamples = model.vis.quality.shadowsize = 0
+    renderer = mujoco.Renderer(model, PICTURE_SIZE, PICTURE_SIZE)
+    for flag in _LEFT_OUT:
+        renderer.scene.flags[flag] = 0
+    return renderer
+
+
 class Stripped:
     """MuJoCo's renderer with all that costs and that the ray tracer leaves out switched off."""
 
     def __init__(self, scene: Scene, view: Viewpoint) -> None:
         self._mocap = scene.target_mocap
         self._model = model_seen_from(scene, view)
-        self._model.vis.quality.offsamples = self._model.vis.quality.shadowsize = 0
         self._data = mujoco.MjData(self._model)
-        self._renderer = mujoco.Renderer(self._model, PICTURE_SIZE, PICTURE_SIZE)
-        for flag in _LEFT_OUT:
-            self._renderer.scene.flags[flag] = 0
+        self._renderer = stripped_renderer(self._model)
 
     def render(self, qpos: np.ndarray, target_m: np.ndarray) -> None:
         """Draws the worlds one by one."""
