@@ -49,9 +49,10 @@ def still(model: mujoco.MjModel, geoms: np.ndarray) -> np.ndarray:
 
 
 def geom_arrays(model: mujoco.MjModel, geoms: np.ndarray) -> tuple[wp.array, wp.array, wp.array]:
-    """On Warp's current device: the chosen geoms (n,), their meshes' faces (f, 12), corner normals (3 f, 3).
+    """On Warp's current device: the chosen geoms (n,), their meshes' faces (12, f), corner normals (3 f, 3).
 
-    A face is a corner, the two edges from it, and their cross product, which points inwards.
+    A face is a corner, the two edges from it, and their cross product, which points inwards; each mesh's
+    faces stand in the order of its search tree, their normals in the model's order.
     """
     listed, faces, normals = [], [np.zeros((0, 12))], [np.zeros((0, 3))]
     for number in geoms:
@@ -62,12 +63,12 @@ def geom_arrays(model: mujoco.MjModel, geoms: np.ndarray) -> tuple[wp.array, wp.
         if geom.kind == mujoco.mjtGeom.mjGEOM_MESH:
             mesh = int(model.geom_dataid[number])
             geom.mesh, geom.first_face = _mesh(model, mesh).id, sum(map(len, faces))
-            faces.append(_triangles(model, mesh))
+            faces.append(_triangles(model, mesh)[_order(_mesh(model, mesh))])
             normals.append(_corner_normals(model, mesh))
         listed.append(geom)
     return (
         wp.array(listed, dtype=raytracer.Geom, shape=len(listed)),
-        wp.array(np.concatenate(faces), dtype=float),
+        wp.array(np.pad(np.concatenate(faces).T, ((0, 0), (0, packets.LANES))), dtype=float),
         wp.array(np.concatenate(normals), dtype=wp.vec3),
     )
 
@@ -136,6 +137,13 @@ def _triangles(model: mujoco.MjModel, mesh: int) -> np.ndarray:
     return np.concatenate([a, b - a, c - a, np.cross(c - a, b - a)], axis=1)
 
 
+def _order(mesh: wp.Mesh) -> np.ndarray:
+    """The mesh's faces as its search tree has them, leaf by leaf."""
+    order = wp.zeros(len(mesh.indices) // 3, dtype=int)
+    wp.launch(packets.tree_order, dim=len(order), inputs=[mesh.id], outputs=[order])
+    return np.asarray(order.numpy())
+
+
 def _corner_normals(model: mujoco.MjModel, mesh: int) -> np.ndarray:
     """The normals (3 f, 3) from which MuJoCo's renderer shades a mesh."""
     points, corners, where = _faces(model, mesh)
@@ -158,6 +166,6 @@ def _mesh(model: mujoco.MjModel, mesh: int) -> wp.Mesh:
                 points=wp.array(points, dtype=wp.vec3),
                 indices=wp.array(corners.reshape(-1), dtype=wp.int32),
                 bvh_constructor="sah",
-                bvh_leaf_size=16,
+                bvh_leaf_size=32,
             )
         return _meshes[key]
