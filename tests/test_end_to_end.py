@@ -14,7 +14,7 @@ import polars as pl
 import pytest
 import yaml
 
-from tests.support import Clone, ran
+from tests.support import Clone, clone_repository, ran
 
 BRANCHES = {"study", "panda_2dof-a", "panda_2dof-b"}
 
@@ -129,3 +129,19 @@ def test_killed_stages_continue_to_the_same_hashes_and_more_repeats_train_only_t
     edit(clone, "params.yaml", "    repeats: 2 ", "    repeats: 3 ")
     clone.run("dvc", "repro", "evaluation@study", timeout_s=900)
     assert len({path.name for path in (clone.root / ".scratch/vae").iterdir()} - kept) == 1
+
+
+@pytest.mark.slow
+def test_branches_side_by_side_give_the_lock_of_the_serial_run(clone: Clone, tmp_path: Path) -> None:
+    other = clone_repository(tmp_path / "another clone of it")
+    for each, words in ((clone, ("dvc", "repro")), (other, ("--jobs", "2"))):
+        each.lend_environment()
+        set_param(each, budget="tiny")
+        each.run("./run", *words, "ranking@panda_2dof", timeout_s=1800)
+    serial, parallel = (
+        yaml.safe_load((each.root / "dvc.lock").read_text(encoding="utf-8")) for each in (clone, other)
+    )
+    # new stages stand in the file in the order in which they were done
+    assert set(serial["stages"]) == set(parallel["stages"])
+    assert {k: v for k, v in serial["stages"].items() if v != parallel["stages"][k]} == {}
+    assert serial["schema"] == parallel["schema"]

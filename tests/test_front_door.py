@@ -42,7 +42,7 @@ def test_dvc_neither_reports_nor_looks_for_updates() -> None:
 
 def test_help_needs_no_environment(clone: Clone) -> None:
     told = clone.run("./run", "--help").stdout
-    for task in ("test", "check", "bench", "dvc"):
+    for task in ("test", "check", "bench", "dvc", "--jobs"):
         assert f"./run {task}" in told
     assert not (clone.root / ".venv").exists()
 

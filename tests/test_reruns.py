@@ -73,6 +73,35 @@ def test_study_runs_first(done: Clone) -> None:
     assert order[:2] == [f"rollouts@{scene}", "frames@study"]
 
 
+def test_side_by_side_gives_the_serial_lock_and_no_stage_runs_twice(done: Clone, tmp_path: Path) -> None:
+    locks = {}
+    for name, words in {"serial": ("dvc", "repro"), "side by side": ("--jobs", "3")}.items():
+        done.run("git", "clone", "--quiet", done.root, tmp_path / name)
+        fresh = Clone(tmp_path / name)
+        fresh.lend_environment()
+        fresh.run("sed", "-i.former", "s/^seed: .*/seed: 77/", "params.yaml")
+        told = fresh.run("./run", *words, "ranking@panda_2dof", timeout_s=1800).stdout
+        logs = [file.read_text(encoding="utf-8") for file in (fresh.root / ".scratch/logs").glob("*.log")]
+        runs = re.findall(r"Running stage '([^']+)'", "".join([told, *logs]))
+        assert len(runs) == len(set(runs)) and branch("panda_2dof-b") | {"ranking@panda_2dof"} <= set(runs)
+        locks[name] = (fresh.root / "dvc.lock").read_bytes()
+    assert locks["serial"] == locks["side by side"]
+    assert locks["serial"] != (done.root / "dvc.lock").read_bytes()
+
+
+def test_a_stage_that_fails_beside_others_is_named(done: Clone, tmp_path: Path) -> None:
+    done.run("git", "clone", "--quiet", done.root, tmp_path / "fails")
+    fresh = Clone(tmp_path / "fails")
+    fresh.lend_environment()
+    with (fresh.root / "pipeline" / "mdnrnn.py").open("a", encoding="utf-8") as stage:
+        stage.write("raise SystemExit('no luck' if 'panda_2dof-a' in sys.argv[-1] else 0)\n")
+    failed = fresh.run("./run", "--jobs", "2", "ranking@panda_2dof", status=1, timeout_s=1800)
+    assert "error: panda_2dof-a failed" in failed.stderr and "no luck" in failed.stderr
+    assert (
+        "mdnrnn@panda_2dof-a" in failed.stderr and "Running stage 'ranking@panda_2dof'" not in failed.stdout
+    )
+
+
 def test_another_study_touches_its_branch_and_comes_back_from_the_cache(done: Clone) -> None:
     there = exp_run(done, "-S", "viewpoint.phi=31")
     assert branch("study") | {"report"} <= there <= branch("study") | FAN_IN

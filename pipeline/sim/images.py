@@ -18,7 +18,7 @@ import warp as wp
 from pipeline.contract.errors import BelvedereError
 from pipeline.sim import drawn, painting
 from pipeline.sim.camera import Viewpoint, camera_to_world
-from pipeline.sim.scene import CAMERA, TARGET_GROUP, Scene
+from pipeline.sim.scene import CAMERA, TARGET_GROUP, Scene, initial_data
 from pipeline.sim.sight import PICTURE_SIZE
 from pipeline.sim.tracing import StillLife, Tracer
 
@@ -98,13 +98,15 @@ class Images:
         with wp.ScopedDevice(self._device):
             self._model = mjw.put_model(model)
             self._data = mjw.make_data(model, nworld=count, nconmax=1, njmax=1)
+            initial = np.tile(initial_data(scene).qpos.astype(np.float32), (count, 1))
+            self._data.qpos.assign(initial)  # where locked joints stand
             mjw.kinematics(self._model, self._data)
             eye, rays = drawn.view_of(model, data, camera, samples)
             lights = drawn.lights_of(model, data, camera)
             fixed = Tracer(model, geoms[still], 1, eye, rays)
             self._tracer = Tracer(model, geoms[~still], count, eye, rays)
             fixed.subject.lights = self._tracer.subject.lights = lights
-            self._still = StillLife(fixed, self._data, wp.vec3(*scene.params.light.background_rgb))
+            self._still = StillLife(fixed, self._data, wp.vec3(*scene.params.light.background_rgb), antialias)
             self._rgb = wp.zeros((count, size, size, 3), dtype=wp.uint8)
             self._seen = wp.zeros(count, dtype=int)
 
@@ -132,17 +134,15 @@ class Images:
         Returns:
             uint8 pictures, shape (count, size, size, 3); the memory is used again by the next call.
         """
-        size = self._rgb.shape[1]
-        span = 1 if self._device.is_cuda else size  # pixels a thread: a GPU wants many threads
         with wp.ScopedDevice(self._device):
             self._tracer.trace(n, data, self._still.distance)
             self._seen.zero_()
             wp.launch(
                 painting.paint,
-                dim=(n, size, size // span),
+                dim=(n, self._rgb.shape[1]),
                 inputs=[
-                    *(self._tracer.hits, self._tracer.subject, self._still.rgb, self._still.number),
-                    *(self._antialias, self._target, span),
+                    *(self._tracer.hits, self._tracer.subject, self._still.rgb, self._still.pixels),
+                    *(self._antialias, self._target),
                 ],
                 outputs=[self._rgb, self._seen],
             )

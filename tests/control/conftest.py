@@ -36,7 +36,7 @@ def world_model(scene: Scene) -> tuple[Vae, MdnRnn]:
 def loops(scene: Scene, world_model: tuple[Vae, MdnRnn]) -> dict[int, Loop]:
     """Loops over the same scene and world model, by their number of threads."""
     vae, rnn = world_model
-    encoder = Encoder(vae, Compute(torch.device("cpu"), torch.float32, 1))
+    encoder = Encoder(vae, Compute(torch.device("cpu"), torch.float32))
     return {threads: Loop(scene, viewpoint("panda_2dof", 0, 0), encoder, rnn, threads) for threads in (1, 2)}
 
 
@@ -51,6 +51,6 @@ def untrained(actions: int, device: torch.device) -> list[Networks]:
     made = []
     for seed in (1, 2):
         torch.manual_seed(seed)
-        encoder = Encoder(Vae().eval().requires_grad_(False), Compute(device, torch.float32, 1))
+        encoder = Encoder(Vae().eval().requires_grad_(False), Compute(device, torch.float32))
         made.append(Networks(encoder, MdnRnn(actions, log_sigma_bound=5.0).eval().requires_grad_(False)))
     return made

@@ -38,6 +38,8 @@ def test_a_module_compiles_for_cuda(module: ModuleType, tmp_path: Path) -> None:
 @wp.func_native(packets._QUERY.replace("defined(__CUDA_ARCH__)", "1"))
 def meet_mesh_as_on_cuda(
     mesh_id: wp.uint64,
+    triangles: wp.array2d[float],
+    first_triangle: int,
     origin: wp.vec3,
     rotation: wp.mat33,
     rays: wp.array2d[float],
@@ -57,6 +59,7 @@ def meet_mesh_as_on_cuda(
 def meet(
     as_on_cuda: bool,
     mesh: wp.uint64,
+    triangles: wp.array2d[float],
     origin: wp.vec3,
     rays: wp.array2d[float],
     distances: wp.array2d[float],
@@ -67,36 +70,50 @@ def meet(
 ) -> None:
     packet, turn = wp.tid(), wp.identity(n=3, dtype=float)
     if as_on_cuda:
-        meet_mesh_as_on_cuda(mesh, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs)
-    else:
-        packets.meet_mesh(mesh, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs)
-
-
-def test_rays_meet_alone_what_they_meet_in_packets() -> None:
-    """CUDA takes another way through a mesh than the CPU; both must see the same."""
-    model, count = compiled("panda_2dof").model, 64
-    mesh = int(model.geom_dataid[np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_MESH)[-1]])
-    made, aims = drawn._mesh(model, mesh), drawn._faces(model, mesh)[0]
-    rng = np.random.default_rng(1)
-    middle, size = aims.mean(axis=0), np.ptp(aims, axis=0).max()
-    origin = middle + size * np.array([1.0, 1.5, 0.5])
-    directions = middle + 0.4 * size * rng.uniform(-1, 1, (count * packets.LANES, 3)) - origin
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    found = []
-    for as_on_cuda in (True, False):
-        rays = wp.array(directions.T, dtype=float, device="cpu")
-        distance = wp.full((1, rays.shape[1]), raytracer.FAR_M, dtype=float, device="cpu")
-        whole, real = (
-            [wp.full(distance.shape, -1, dtype=kind, device="cpu") for _ in range(2)] for kind in (int, float)
+        meet_mesh_as_on_cuda(
+            mesh, triangles, 0, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs
         )
-        inputs = [as_on_cuda, made.id, wp.vec3(*origin), rays, distance, *whole, *real]
-        wp.launch(meet, dim=count, inputs=inputs, device="cpu")
-        found.append([array.numpy()[0] for array in (distance, *whole, *real)])
-    hit = found[0][1] == 7
-    assert 0.1 < hit.mean() < 0.9
-    np.testing.assert_array_equal(found[0][1], found[1][1])
-    np.testing.assert_allclose(found[0][0], found[1][0], rtol=1e-5)
-    same = hit & (found[0][2] == found[1][2])
-    assert same.sum() > 0.98 * hit.sum()  # a ray on an edge may take either face
-    for ours, theirs in zip(found[0][3:], found[1][3:], strict=True):
+    else:
+        packets.meet_mesh(
+            mesh, triangles, 0, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs
+        )
+
+
+@pytest.mark.parametrize("inside", [False, True])
+def test_rays_meet_alone_what_they_meet_in_packets(inside: bool) -> None:
+    """CUDA takes another way through a mesh than the CPU; both must see the same, and pass over backs."""
+    model, packs = compiled("panda_2dof").model, 64
+    geom = int(np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_MESH)[-1])
+    points = drawn._faces(model, int(model.geom_dataid[geom]))[0]
+    middle, size = points.mean(axis=0), np.ptp(points, axis=0).max()
+    origin = middle + (0.0 if inside else size) * np.array([1.0, 1.5, 0.5])
+    aims = middle + 0.4 * size * np.random.default_rng(1).uniform(-1, 1, (packs * packets.LANES, 3))
+    directions = (aims - origin) / np.linalg.norm(aims - origin, axis=1, keepdims=True)
+    found = []
+    with wp.ScopedDevice("cpu"):
+        mesh, triangles = (
+            drawn._mesh(model, int(model.geom_dataid[geom])),
+            drawn.geom_arrays(model, [geom])[1],
+        )
+        rays = wp.array(directions.T, dtype=float)
+        for as_on_cuda in (True, False):
+            distance = wp.full((1, rays.shape[1]), raytracer.FAR_M, dtype=float)
+            slot, face = (wp.full(distance.shape, -1, dtype=int) for _ in range(2))
+            u, v = (wp.zeros(distance.shape, dtype=float) for _ in range(2))
+            outputs = [distance, slot, face, u, v]
+            wp.launch(
+                meet,
+                dim=packs,
+                inputs=[as_on_cuda, mesh.id, triangles, wp.vec3(*origin), rays],
+                outputs=outputs,
+            )
+            found.append([array.numpy()[0] for array in outputs])
+    alone, packed = found
+    hit = alone[1] == 7
+    assert inside or 0.1 < hit.mean() < 0.9
+    np.testing.assert_array_equal(alone[1], packed[1])
+    np.testing.assert_allclose(alone[0], packed[0], rtol=1e-4)
+    same = hit & (alone[2] == packed[2])
+    assert same.sum() >= 0.98 * hit.sum()  # a ray on an edge may take either face
+    for ours, theirs in zip(alone[3:], packed[3:], strict=True):
         np.testing.assert_allclose(ours[same], theirs[same], atol=2e-3)

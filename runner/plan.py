@@ -1,0 +1,115 @@
+"""Which stages one process runs, and which processes wait for which.
+
+DVC locks a stage's outputs for writing even while it only looks whether the stage changed, and its option
+--wait-for-lock does not cover that lock. So of two processes that both have rollouts@scene in their way, the
+second ends with "busy" while frames@… of the first reads the rollouts. Hence every stage is in one job only,
+and a job names its stages one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+from pipeline.contract.errors import BelvedereError
+
+
+@dataclass(frozen=True)
+class Job:
+    """Stages that one process runs, one after the other.
+
+    Attributes:
+        name: the branch, or the stage that branches share.
+        stages: DVC's names of the stages, in an order in which they can run.
+        after: the names of the jobs that must be done before.
+    """
+
+    name: str
+    stages: tuple[str, ...]
+    after: frozenset[str]
+
+
+@dataclass(frozen=True)
+class Pipeline:
+    """What DVC knows of the stages behind the targets.
+
+    Attributes:
+        waits: for each stage, in the order in which `dvc repro` takes them, the stages it directly waits for.
+        changed: the stages that are not as dvc.lock has them.
+    """
+
+    waits: Mapping[str, Collection[str]]
+    changed: frozenset[str]
+
+
+def read_pipeline(targets: Sequence[str]) -> Pipeline:
+    """Asks DVC for the stages behind ``targets``, or for all where there are none, in the working directory.
+
+    Raises:
+        BelvedereError: DVC knows no such target, cannot read its files, or is at work already.
+    """
+    from dvc.exceptions import DvcException
+    from dvc.repo import Repo, lock_repo
+    from dvc.repo.reproduce import collect_stages, get_active_graph, plan_repro
+
+    try:
+        with Repo() as repo, lock_repo(repo):
+            graph = get_active_graph(repo.index.graph)
+            stages = plan_repro(graph, collect_stages(repo, targets or ["dvc.yaml"]))
+            waits = {s.addressing: [w.addressing for w in graph.successors(s)] for s in stages}
+            return Pipeline(waits, frozenset(s.addressing for s in stages if s.changed()))
+    except DvcException as error:
+        raise BelvedereError(f"DVC cannot plan the run: {error}") from None
+
+
+def branches() -> frozenset[str]:
+    """The branches: what dvc.yaml repeats stages over by a map (a list of scenes is no map)."""
+    stages = yaml.safe_load(Path("dvc.yaml").read_text(encoding="utf-8"))["stages"].values()
+    maps = (stage["foreach"] for stage in stages if isinstance(stage.get("foreach"), dict))
+    return frozenset(key for each in maps for key in each)
+
+
+def jobs(pipeline: Pipeline, branches: Collection[str]) -> list[Job]:
+    """The jobs that have something to do, in the order in which they are best begun.
+
+    A branch is one job; so is each stage that waits for no branch, such as a scene's rollouts. The stages in
+    which branches meet are in no job: a last `dvc repro` runs them.
+    """
+    in_branch = {stage for stage in pipeline.waits if _key(stage) in branches}
+    job_of: dict[str, str] = {}
+    for stage in pipeline.waits:
+        if stage in in_branch:
+            job_of[stage] = _key(stage)
+        elif in_branch.isdisjoint(_behind(stage, pipeline.waits)):
+            job_of[stage] = stage
+    made = [_job(name, job_of, pipeline.waits) for name in dict.fromkeys(job_of.values())]
+    return _with_something_to_do(made, pipeline.changed)
+
+
+def _key(stage: str) -> str:
+    """What dvc.yaml repeats a stage over: ``study`` of ``frames@study``; empty where it stands once."""
+    return stage.partition("@")[2]
+
+
+def _behind(stage: str, waits: Mapping[str, Collection[str]]) -> Iterator[str]:
+    """All that a stage waits for, directly or not."""
+    for awaited in waits[stage]:
+        yield awaited
+        yield from _behind(awaited, waits)
+
+
+def _job(name: str, job_of: Mapping[str, str], waits: Mapping[str, Collection[str]]) -> Job:
+    stages = tuple(stage for stage, job in job_of.items() if job == name)
+    after = {job_of[awaited] for stage in stages for awaited in waits[stage]}
+    return Job(name, stages, frozenset(after - {name}))
+
+
+def _with_something_to_do(made: Sequence[Job], changed: Collection[str]) -> list[Job]:
+    """Drops the jobs that are done already; one that waits for a job with something to do may be no more."""
+    names = {job.name for job in made if not set(job.stages).isdisjoint(changed)}
+    while more := {job.name for job in made if job.name not in names and job.after & names}:
+        names |= more
+    return [Job(job.name, job.stages, job.after & names) for job in made if job.name in names]

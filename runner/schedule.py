@@ -1,0 +1,129 @@
+"""Jobs side by side, each in a process of DVC's, and their end when one fails or the user has had enough."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from pipeline.contract.errors import BelvedereError
+from runner.interrupts import Interrupts
+from runner.plan import Job
+
+TAIL_LINES = 20  # of a failed job's log
+_LOOK_EVERY_S = 0.1
+# SIGINT lets stages and DVC clean up. What goes on regardless gets the next signal after so many seconds, or
+# at another Ctrl-C.
+_ENDINGS = ((signal.SIGINT, 10.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
+
+
+@dataclass(frozen=True)
+class _Process:
+    job: Job
+    child: subprocess.Popen[bytes]
+    log: Path
+    begun_s: float
+
+
+@dataclass
+class Schedule:
+    """Runs jobs, so many at once.
+
+    Attributes:
+        slots: how many at once.
+        environment: what the processes find in their environment.
+        logs: the folder that each process's output goes to, in a file of the job's name.
+    """
+
+    slots: int
+    environment: Mapping[str, str]
+    logs: Path
+    _running: list[_Process] = field(default_factory=list)
+    _done: set[str] = field(default_factory=set)
+
+    def run(self, jobs: Sequence[Job]) -> None:
+        """Runs all jobs, a job when those it waits for are done and a slot is free, earlier ones first.
+
+        Raises:
+            BelvedereError: a job failed. None was begun after it; those at work were let finish.
+            KeyboardInterrupt: the user wanted it to end, and all processes were ended.
+        """
+        waiting, failed = list(jobs), list[_Process]()
+        with Interrupts() as interrupts:
+            while True:
+                while not failed and not interrupts.count and (job := self._next(waiting)):
+                    waiting.remove(job)
+                    self._start(job)
+                if not self._running:
+                    break
+                ended = self._wait(interrupts)
+                if not interrupts.count:
+                    failed += [process for process in ended if not self._succeeded(process, len(jobs))]
+        if interrupts.count:
+            print("stopped; what is done stays done", flush=True)
+            raise KeyboardInterrupt
+        if failed:
+            raise BelvedereError("\n".join(_obituary(process) for process in failed))
+
+    def _next(self, waiting: Sequence[Job]) -> Job | None:
+        if len(self._running) >= self.slots:
+            return None
+        return next((job for job in waiting if job.after <= self._done), None)
+
+    def _start(self, job: Job) -> None:
+        log = self.logs / f"{job.name}.log"
+        with log.open("wb") as file:
+            child = subprocess.Popen(
+                # DVC takes the first option before the subcommand only
+                ["dvc", "--wait-for-lock", "repro", "--single-item", *job.stages],
+                env=self.environment,
+                stdin=subprocess.DEVNULL,
+                stdout=file,
+                stderr=subprocess.STDOUT,
+                process_group=0,  # so that it can be ended with all that it started
+            )
+        self._running.append(_Process(job, child, log, time.monotonic()))
+        print(f"{job.name}: begun, {len(self._running)} at work", flush=True)
+
+    def _wait(self, interrupts: Interrupts) -> list[_Process]:
+        """Waits until a process has ended, and takes those that have from the running ones."""
+        while not (ended := [p for p in self._running if p.child.poll() is not None]):
+            if interrupts.count:
+                self._end_all(interrupts)
+            time.sleep(_LOOK_EVERY_S)
+        self._running = [p for p in self._running if p not in ended]
+        return ended
+
+    def _succeeded(self, process: _Process, jobs: int) -> bool:
+        if process.child.returncode:
+            at_work = ", ".join(p.job.name for p in self._running)
+            print(f"{process.job.name}: failed" + (f"; waiting for {at_work}" if at_work else ""), flush=True)
+            return False
+        self._done.add(process.job.name)
+        minutes, seconds = divmod(round(time.monotonic() - process.begun_s), 60)
+        took = f"{minutes}:{seconds:02} minutes"
+        print(f"{process.job.name}: done in {took}, {len(self._done)} of {jobs} done", flush=True)
+        return True
+
+    def _end_all(self, interrupts: Interrupts) -> None:
+        for number, patience_s in _ENDINGS:
+            wishes, until = interrupts.count, time.monotonic() + patience_s
+            for process in self._alive():
+                os.killpg(process.child.pid, number)
+            while self._alive() and time.monotonic() < until and interrupts.count == wishes:
+                time.sleep(_LOOK_EVERY_S)
+
+    def _alive(self) -> list[_Process]:
+        return [p for p in self._running if p.child.poll() is None]
+
+
+def _obituary(process: _Process) -> str:
+    lines = process.log.read_text(encoding="utf-8", errors="replace").splitlines()
+    tail = "\n".join(f"    {line}" for line in lines[-TAIL_LINES:])
+    return (
+        f"{process.job.name} failed with status {process.child.returncode}; {process.log} ends with\n{tail}"
+    )

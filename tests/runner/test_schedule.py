@@ -1,0 +1,144 @@
+"""The schedule, with a program `dvc` that writes down its calls and does as its stage's name says."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import psutil
+import pytest
+
+from pipeline.contract.errors import BelvedereError
+from runner import schedule
+from runner.plan import Job
+from runner.schedule import Schedule
+
+# As DVC does, it leaves SIGINT to the stage, which is a process of its own.
+DVC = """#!{python}
+import os, signal, subprocess, sys, time
+words, stages = sys.argv[1:4], sys.argv[4:]
+assert words == ["--wait-for-lock", "repro", "--single-item"]
+def note(what):
+    with open("calls", "a") as file:
+        file.write(what + " " + " ".join(stages) + "\\n")
+if "stubborn" in stages[0]:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+seconds = 60 if "long" in stages[0] else 0.3
+stage = subprocess.Popen(["sleep", str(seconds)])
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+open("pids", "a").write(f"{{os.getpid()}} {{stage.pid}}\\n")
+note("begin")
+print("the first of many lines")
+for line in range(50):
+    print("line", line)
+ended = stage.wait()
+note("end")
+sys.exit(7 if "failing" in stages[0] else abs(ended))
+"""
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to work in, with that `dvc` on the path."""
+    program = tmp_path / "bin" / "dvc"
+    program.parent.mkdir()
+    program.write_text(DVC.format(python=sys.executable), encoding="utf-8")
+    program.chmod(0o755)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def made(place: Path, slots: int) -> Schedule:
+    environment = os.environ | {"PATH": f"{place / 'bin'}{os.pathsep}{os.environ['PATH']}"}
+    return Schedule(slots, environment, place)
+
+
+def job(name: str, *after: str) -> Job:
+    return Job(name, (f"first@{name}", f"second@{name}"), frozenset(after))
+
+
+def calls(place: Path) -> list[tuple[str, str]]:
+    """What was written down: begin or end, and the job."""
+    lines = [line.split() for line in (place / "calls").read_text().splitlines()]
+    return [(words[0], words[1].partition("@")[2]) for words in lines]
+
+
+@pytest.mark.parametrize("slots", [1, 2, 3])
+def test_so_many_are_at_work_and_never_more(place: Path, slots: int) -> None:
+    made(place, slots).run([job(name) for name in "abcdef"])
+    at_work, most = 0, 0
+    for what, _ in calls(place):
+        at_work += 1 if what == "begin" else -1
+        most = max(most, at_work)
+    assert most == slots and at_work == 0
+
+
+def test_a_job_begins_when_those_before_it_are_done(place: Path) -> None:
+    made(place, 4).run([job("b", "a"), job("a"), job("d", "b", "c"), job("c", "a")])
+    order = calls(place)
+    for later, earlier in [("b", "a"), ("c", "a"), ("d", "b"), ("d", "c")]:
+        assert order.index(("end", earlier)) < order.index(("begin", later))
+
+
+def test_a_process_runs_its_stages_in_their_order_and_what_it_says_is_in_its_log(place: Path) -> None:
+    made(place, 1).run([job("a")])
+    assert (place / "calls").read_text().splitlines()[0] == "begin first@a second@a"
+    assert (place / "a.log").read_text().startswith("the first of many lines\n")
+
+
+def test_after_a_failure_none_begins_and_those_at_work_finish(
+    place: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(BelvedereError, match="failing failed with status 7") as told:
+        made(place, 2).run([job("failing"), job("beside"), job("after", "failing"), job("later")])
+    assert {name for _, name in calls(place)} == {"failing", "beside"}
+    assert ("end", "beside") in calls(place)
+    assert "line 49" in str(told.value) and "the first of many" not in str(told.value)
+    assert "failing.log" in str(told.value)
+    assert "failing: failed" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["long", "long-stubborn"])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_an_interrupt_ends_all_that_was_started(
+    place: Path, monkeypatch: pytest.MonkeyPatch, name: str, number: signal.Signals
+) -> None:
+    patient = [(ending, 0.5) for ending, _ in schedule._ENDINGS]
+    monkeypatch.setattr(schedule, "_ENDINGS", patient)
+    once(lambda: pids(place, 2), lambda: os.kill(os.getpid(), number))
+    before = signal.getsignal(number)
+    with pytest.raises(KeyboardInterrupt):
+        made(place, 2).run([job(f"{name}-1"), job(f"{name}-2"), job(f"{name}-3")])
+    assert len(started := pids(place, 2)) == 4  # two of `dvc` and their stages; the third job never began
+    assert not [pid for pid in started if alive(pid)]
+    assert signal.getsignal(number) == before
+
+
+def once(condition: Callable[[], object], act: Callable[[], None]) -> None:
+    """Acts in another thread as soon as the condition holds, which it has to within half a minute."""
+
+    def wait() -> None:
+        until = time.monotonic() + 30
+        while not condition() and time.monotonic() < until:
+            time.sleep(0.02)
+        act()
+
+    threading.Thread(target=wait, daemon=True).start()
+
+
+def pids(place: Path, processes: int) -> list[int]:
+    """The processes that were started, once as many called `dvc` as are waited for; empty before."""
+    calls = (place / "calls").read_text().splitlines() if (place / "calls").exists() else []
+    if len(calls) < processes:
+        return []
+    return [int(word) for word in (place / "pids").read_text().split()]
+
+
+def alive(pid: int) -> bool:
+    return psutil.pid_exists(pid) and psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
