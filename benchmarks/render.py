@@ -64,7 +64,7 @@ def states(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
 
 
 def stripped_renderer(model: mujoco.MjModel) -> mujoco.Renderer:
-    """A renderer of 64 × 64 pictures without shadows, reflections or multisampling; changes the model."""
+    """MuJoCo's renderer of 64 × 64 pictures without shadows, reflections, multisampling; alters the model."""
     model.vis.quality.offsamples = model.vis.quality.shadowsize = 0
     renderer = mujoco.Renderer(model, PICTURE_SIZE, PICTURE_SIZE)
     for flag in _LEFT_OUT:
