@@ -64,7 +64,7 @@ def means(table: pl.DataFrame, numbers: Callable[[pl.DataFrame], dict[str, Any]]
 
 
 def made_with(compute: dict[str, Any]) -> dict[str, Any]:
-    """What decides the last bits of a judgement: ``compute`` (device, dtype, threads), versions, machine."""
+    """What decides the last bits of a judgement: ``compute`` (device, dtype), versions, machine."""
     packages = {name: version(name.replace("_", "-")) for name in ("torch", "mujoco", "mujoco_warp")}
     machine = f"{platform.machine()} {processor()}"
     return {**compute, "python": platform.python_version(), **packages, "machine": machine}

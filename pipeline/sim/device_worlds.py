@@ -1,7 +1,7 @@
 """A batch of worlds that stays on one device, pictures included; mujoco_warp steps it.
 
-Meant for CUDA. It runs on Warp's CPU backend too, far slower than :mod:`pipeline.sim.worlds`: that is how
-it is tested where there is no GPU.
+Meant for CUDA. It runs on Warp's CPU backend too, where MuJoCo's own :mod:`pipeline.sim.worlds` is faster and
+in float64: that is how it is tested where there is no GPU.
 """
 
 # mypy: disable-error-code="misc, index"
