@@ -1,41 +1,73 @@
-"""`./run bench [--json]`: speed as ratios against what one would run otherwise, each within one run."""
+"""`./run bench [--json] [NAME…]`: speed as ratios against what one would run otherwise, within one run."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import sys
-from typing import Any
+from collections.abc import Sequence
+from importlib import import_module
 
-from benchmarks import closed_loop, dqn, render, vae
+from benchmarks.rows import Row, header, line, side_tables
+from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.machine import cores, processor
 
-BENCHMARKS = (render.measure, closed_loop.measure, vae.measure, dqn.measure)
-HEADER = ("work", "scene", "ours", "peer", "unit", "ratio", "goal", "holds")
+# Modules of this folder whose ``measure()`` gives a row or a list of rows; imported when their turn comes.
+MODULES = (
+    "render",
+    "closed_loop",
+    "plain",
+    "vae",
+    "cma_es",
+    "training",
+    "dqn",
+    "growth",
+)
 
 
-def main() -> None:
-    """Prints a table, or with ``--json`` one object a line, as each benchmark ends."""
-    options = argparse.ArgumentParser(description=__doc__)
+def main(argv: Sequence[str] | None = None) -> None:
+    """Prints tables, or with ``--json`` one object a line, as each benchmark ends."""
+    options = argparse.ArgumentParser(prog="./run bench", description=__doc__)
     options.add_argument("--json", action="store_true", help="one JSON object a line")
-    as_json = options.parse_args().json
-    print(f"machine: {processor()}, {cores()} cores; other load spoils it", file=sys.stderr)
+    options.add_argument("names", nargs="*", metavar="NAME", help=f"only these of {', '.join(MODULES)}")
+    given = options.parse_args(argv)
+    try:
+        names = chosen(given.names)
+        print(f"machine: {processor()}, {cores()} cores; other load spoils it", file=sys.stderr)
+        run(names, given.json)
+    except BelvedereError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(1) from None
+
+
+def chosen(names: Sequence[str]) -> list[str]:
+    """The benchmarks to run, in the order of :data:`MODULES`; none named is all.
+
+    Raises:
+        BelvedereError: a name is unknown.
+    """
+    for name in names:
+        if name not in MODULES:
+            raise unknown("benchmark", name, MODULES)
+    return [name for name in MODULES if not names or name in names]
+
+
+def run(names: Sequence[str], as_json: bool) -> None:
+    """Runs benchmarks and prints their rows; small tables come after the goals."""
     if not as_json:
-        print("{:<28} {:<22} {:>10} {:>10} {:<12} {:>7} {:>6} {}".format(*HEADER))
-    for measure in BENCHMARKS:
-        found = measure()
+        print(header())
+    later: list[Row] = []
+    for name in names:
+        found = import_module(f"benchmarks.{name}").measure()
         for row in found if isinstance(found, list) else [found]:
-            print(json.dumps(row) if as_json else line(row), flush=True)
-
-
-def line(row: dict[str, Any]) -> str:
-    """One row of the table; dashes where no goal is set."""
-    goal = "–" if row["goal"] is None else f"{row['goal']:.2f}"
-    holds = {None: "–", True: "yes", False: "no"}[row["holds"]]
-    return (
-        f"{row['work']:<28} {row['scene']:<22} {row['ours']:>10.0f} {row['peer']:>10.0f} {row['unit']:<12} "
-        f"{row['ratio']:>7.2f} {goal:>6} {holds}"
-    )
+            if as_json:
+                print(json.dumps(row, ensure_ascii=False), flush=True)
+            elif "table" in row:
+                later.append(row)
+            else:
+                print(line(row), flush=True)
+    for text in side_tables(later):
+        print(text)
 
 
 if __name__ == "__main__":

@@ -5,12 +5,12 @@ from __future__ import annotations
 import statistics
 import time
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import torch
 from stable_baselines3 import DQN
 
+from benchmarks.rows import Row, goal_row
 from pipeline.contract import params
 from pipeline.contract.machine import cores
 from pipeline.learning.device import compute
@@ -24,7 +24,7 @@ SCENE, THETA_DEG, PHI_DEG = "fetch_reach", 45.0, 30.0
 ROUNDS, EPISODES, STEPS = 3, 2, 100
 
 
-def measure() -> list[dict[str, Any]]:
+def measure() -> list[Row]:
     """Two rows: medians over rounds in which ours and the peer are measured in turn. No goal is set."""
     method = params.section(DqnParams, "dqn")
     sizes = params.section(DqnSizes, "budgets", "quick", "dqn")
@@ -45,8 +45,8 @@ def measure() -> list[dict[str, Any]]:
         seconds["train"].append(_seconds(lambda: model.train(STEPS, method.batch)))
         seconds["network"].append(_seconds(lambda: _network_alone(model, pictures)))
     return [
-        _row("DQN training", "frames/s", frames, seconds["learn"], seconds["act"]),
-        _row("DQN gradient steps", "steps/s", STEPS, seconds["train"], seconds["network"]),
+        _row("DQN training, against acting alone", "frames/s", frames, seconds["learn"], seconds["act"]),
+        _row("DQN steps, against the bare network", "steps/s", STEPS, seconds["train"], seconds["network"]),
     ]
 
 
@@ -75,14 +75,7 @@ def _network_alone(model: DQN, pictures: torch.Tensor) -> None:
         model.policy.optimizer.step()
 
 
-def _row(work: str, unit: str, amount: int, ours: list[float], peer: list[float]) -> dict[str, Any]:
-    return {
-        "work": work,
-        "scene": SCENE,
-        "ours": amount / statistics.median(ours),
-        "peer": amount / statistics.median(peer),
-        "unit": unit,
-        "ratio": statistics.median(other / mine for mine, other in zip(ours, peer, strict=True)),
-        "goal": None,
-        "holds": None,
-    }
+def _row(work: str, unit: str, amount: int, ours: list[float], peer: list[float]) -> Row:
+    ratio = statistics.median(other / mine for mine, other in zip(ours, peer, strict=True))
+    rates = amount / statistics.median(ours), amount / statistics.median(peer)
+    return goal_row(work, SCENE, *rates, unit, ratio, None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,8 @@ from pipeline.contract.seeds import Stream
 from pipeline.contract.stage import entry
 from pipeline.control.outcomes import evaluation_episodes, made_with, means
 from pipeline.control.params import EvaluationSizes
-from pipeline.learning.device import Compute, compute
-from pipeline.learning.repeats import code_digest, finished
+from pipeline.learning.device import compute
+from pipeline.learning.repeats import code_digest, finished, in_processes
 from pipeline.qlearning.actions import best_restricted_expert
 from pipeline.qlearning.judge import fit, memory_bytes
 from pipeline.qlearning.params import DqnParams, DqnSizes
@@ -33,8 +34,8 @@ def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metric
     """Writes every evaluation episode's outcome, the curves and the means; empty where none is trained."""
     compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
     method, sizes = params.section(DqnParams, "dqn"), params.budget_section(DqnSizes, "dqn")
-    wanted = range(sizes.repeats if scene in method.scenes else 0)
-    results = [train_repeat(compiled, view, place, method, sizes, repeat) for repeat in wanted]
+    make = partial(train_repeat, compiled, view, method, sizes)
+    results = in_processes(make, sizes.repeats if scene in method.scenes else 0)
     episodes, curves = (
         pl.concat([pl.DataFrame(schema=schema), *(pl.read_parquet(r / name) for r in results)])
         for name, schema in (("episodes.parquet", EPISODES), ("curve.parquet", CURVE))
@@ -48,11 +49,10 @@ def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metric
     write_json(metrics, {**facts, "made_with": made_with(place.facts())})
 
 
-def train_repeat(
-    scene: Scene, view: Viewpoint, place: Compute, method: DqnParams, sizes: DqnSizes, repeat: int
-) -> Path:
+def train_repeat(scene: Scene, view: Viewpoint, method: DqnParams, sizes: DqnSizes, repeat: int) -> Path:
     """The scratch folder of a repeat's finished ``episodes.parquet`` and ``curve.parquet``."""
     seed, count = params.seed(), params.budget_section(EvaluationSizes, "evaluation").episodes
+    place = compute()
 
     def make(results: Path, running: Path) -> None:
         draws = seeds.generator(seed, repeat, Stream.DQN)

@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.contract import zarrs
 from pipeline.contract.stage import entry
 from pipeline.learning.device import Compute, compute
+from pipeline.learning.repeats import side_by_side
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.vae import LATENTS, load_vae
 
@@ -17,7 +18,7 @@ def main(*, frames: Path, vae: Path, out: Path) -> None:
     """Encodes each repeat's frames with that repeat's network."""
     store = zarrs.Store(frames, zarrs.FRAMES, "frames")
     place = compute()
-    encoded = [encode(store, repeat, vae / f"repeat_{repeat}.pt", place) for repeat in range(store.repeats)]
+    encoded = side_by_side(lambda r: encode(store, r, vae / f"repeat_{r}.pt", place), store.repeats)
     arrays = {name: np.stack([each[name] for each in encoded]) for name in zarrs.LATENTS}
     attributes = {name: value for name, value in store.attributes.items() if name != "format"}
     zarrs.write(out, zarrs.LATENTS, arrays, attributes)

@@ -14,7 +14,7 @@ from pipeline.contract.seeds import Stream
 from pipeline.contract.split import split_episodes
 from pipeline.contract.stage import entry
 from pipeline.learning.device import Compute, compute
-from pipeline.learning.repeats import code_digest, finished, publish
+from pipeline.learning.repeats import code_digest, finished, publish, side_by_side
 from pipeline.worldmodel.mdnrnn import save_mdnrnn
 from pipeline.worldmodel.mdnrnn_training import Sequences, fit, sequences
 from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes
@@ -27,7 +27,7 @@ def main(*, latents: Path, out: Path, metrics: Path) -> None:
     """Writes ``out/repeat_{r}.pt`` and the metrics."""
     store = zarrs.Store(latents, zarrs.LATENTS, "latents")
     place = compute()
-    results = [train_repeat(store, repeat, place) for repeat in range(store.repeats)]
+    results = side_by_side(lambda repeat: train_repeat(store, repeat, place), store.repeats)
     publish(out, metrics, store.attributes, results, "mdnrnn")
 
 

@@ -15,7 +15,7 @@ from pipeline.contract.split import split_episodes
 from pipeline.contract.stage import entry
 from pipeline.learning import checkpoints
 from pipeline.learning.device import Compute, compute
-from pipeline.learning.repeats import code_digest, finished, publish
+from pipeline.learning.repeats import code_digest, finished, publish, side_by_side
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.params import VaeParams, VaeSizes
 from pipeline.worldmodel.probes import Labelled, label, probe
@@ -31,7 +31,7 @@ def main(*, frames: Path, out: Path, metrics: Path, picture: Path) -> None:
     """Writes ``out/repeat_{r}.pt``, the metrics, and repeat 0's held-out reconstructions."""
     store = zarrs.Store(frames, zarrs.FRAMES, "frames")
     place = compute()
-    results = [train_repeat(store, repeat, place) for repeat in range(store.repeats)]
+    results = side_by_side(lambda repeat: train_repeat(store, repeat, place), store.repeats)
     publish(out, metrics, store.attributes, results, "vae")
     rgb = store.repeat("rgb", 0)
     _, heldout = split_episodes(len(rgb), params.heldout_share())

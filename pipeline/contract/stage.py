@@ -31,7 +31,7 @@ def entry(main: Callable[..., None], argv: Sequence[str] | None = None) -> None:
     Flags are the keyword parameters of ``main``: ``str``, ``int``, ``float``, ``Path`` or, where a
     flag may be given several values, ``list[str]`` / ``list[Path]``; one with a default is optional.
     """
-    _die_with_parent()
+    die_with_parent()
     _line_buffer()
     begun = time.monotonic()
     try:
@@ -41,7 +41,7 @@ def entry(main: Callable[..., None], argv: Sequence[str] | None = None) -> None:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(1) from None
     except KeyboardInterrupt:
-        raise SystemExit(130) from None
+        os._exit(130)  # at once: an ordinary exit waits for threads, and a training can take hours
 
 
 def parser(main: Callable[..., None]) -> argparse.ArgumentParser:
@@ -73,7 +73,7 @@ def _record_seconds(seconds: float) -> None:
         write_json(scratch.root() / "seconds" / f"{stage}.json", record)
 
 
-def _die_with_parent() -> None:
+def die_with_parent() -> None:
     """Asks Linux to end this process with DVC: an orphan could write over a later run's output."""
     if sys.platform == "linux" and "DVC_STAGE" in os.environ:
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

@@ -20,7 +20,6 @@ import torch
 from torch import Tensor
 
 from pipeline.control.policy import FEATURES
-from pipeline.learning.device import one_thread
 from pipeline.worldmodel.mdnrnn import MdnRnn
 
 _WIDTH = FEATURES + 1  # z, h and the constant 1
@@ -56,7 +55,7 @@ def from_rewards(rnn: MdnRnn, experience: Experience, ridge: float) -> np.ndarra
         ridge: penalty on each parameter, as a share of its column's sum of squares.
     """
     actions = experience.action.shape[-1]
-    with one_thread(), torch.inference_mode():  # threads would share the sums, and so round, differently
+    with torch.inference_mode():
         gram, moment = _normal_equations(rnn, experience)
         sizes = gram.diagonal().clamp(min=torch.finfo(gram.dtype).tiny)
         solution = torch.linalg.solve(gram + torch.diag(ridge * sizes), moment)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+import sys
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 import torch
 
 from pipeline.contract.errors import BelvedereError, unknown
-from pipeline.contract.machine import cores
 
 DEVICE_VARIABLE = "BELVEDERE_DEVICE"
 DTYPE_VARIABLE = "BELVEDERE_DTYPE"
@@ -23,12 +23,10 @@ class Compute:
     Attributes:
         device: CPU or CUDA.
         dtype: of matrix products and convolutions; weights and losses are always float32.
-        threads: CPU threads of one operation.
     """
 
     device: torch.device
     dtype: torch.dtype
-    threads: int
 
     def autocast(self) -> AbstractContextManager[object]:
         """The context in which a network's forward pass runs."""
@@ -39,27 +37,18 @@ class Compute:
         return {
             "device": self.device.type,
             "dtype": str(self.dtype).removeprefix("torch."),
-            "threads": self.threads,
             "torch": torch.__version__,
         }
 
 
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Within it torch's CPU operations use one thread: small networks lose more to sharing than they gain."""
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(before)
-
-
 def compute() -> Compute:
-    """The place that the environment chooses; sets torch's CPU threads.
+    """The place that the environment chooses.
 
     ``BELVEDERE_DEVICE`` is ``auto``, ``cpu`` or ``cuda``; ``BELVEDERE_DTYPE`` is ``auto``,
-    ``float32`` or ``bfloat16``; ``BELVEDERE_CORES`` is the number of threads (else all cores).
+    ``float32`` or ``bfloat16``.
+
+    An operation of torch on the CPU gets one thread: cores are shared out among repeats, shards and
+    pictures instead, which loses less to waiting, and sums are the same at any number of cores.
 
     Raises:
         BelvedereError: a variable has another value, or there is no CUDA device.
@@ -67,9 +56,21 @@ def compute() -> Compute:
     device = _device(_choice(DEVICE_VARIABLE, ("auto", "cpu", "cuda")))
     name = _choice(DTYPE_VARIABLE, ("auto", "float32", "bfloat16"))
     dtype = _fast_dtype(device) if name == "auto" else getattr(torch, name)
-    threads = cores()
-    torch.set_num_threads(threads)
-    return Compute(device, dtype, threads)
+    torch.set_num_threads(1)
+    _keep_memory()
+    return Compute(device, dtype)
+
+
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # of glibc's mallopt
+
+
+def _keep_memory() -> None:
+    """Asks glibc not to return a step's memory to the system and fetch it anew, page by page, in the next."""
+    if sys.platform == "linux":
+        mallopt = getattr(ctypes.CDLL(None), "mallopt", None)  # other C libraries have none
+        if mallopt is not None:
+            mallopt(_M_MMAP_THRESHOLD, 32 * 2**20)
+            mallopt(_M_TRIM_THRESHOLD, 2**30)
 
 
 def _choice(variable: str, valid: tuple[str, ...]) -> str:
@@ -91,4 +92,5 @@ def _fast_dtype(device: torch.device) -> torch.dtype:
     """bfloat16 where the hardware multiplies in it; elsewhere it is emulated and slower than float32."""
     if device.type == "cuda":
         return torch.bfloat16 if torch.cuda.is_bf16_supported(including_emulation=False) else torch.float32
-    return torch.bfloat16 if torch.cpu.get_capabilities().get("amx_bf16") else torch.float32
+    able = torch.cpu.get_capabilities()
+    return torch.bfloat16 if able.get("amx_bf16") or able.get("avx512_bf16") else torch.float32

@@ -1,4 +1,4 @@
-"""Finished repeats: each is made once per inputs, parameters, code and machine kind (no torch here)."""
+"""Repeats: side by side, each made once per inputs, parameters, code and machine kind (no torch here)."""
 
 from __future__ import annotations
 
@@ -6,11 +6,17 @@ import hashlib
 import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pipeline.contract import scratch
 from pipeline.contract.artefacts import read_json, write_json, writing
+from pipeline.contract.machine import CORES_VARIABLE, cores
+from pipeline.contract.stage import die_with_parent
+
+Result = TypeVar("Result")
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -28,6 +34,35 @@ def code_digest(*parts: str) -> str:
             hasher.update(file.relative_to(PACKAGE).as_posix().encode() + b"\0")
             hasher.update(file.read_bytes() + b"\0")
     return hasher.hexdigest()
+
+
+def side_by_side(make: Callable[[int], Result], repeats: int) -> list[Result]:
+    """``make(repeat)`` of each repeat, as many at a time as there are cores, each in one thread.
+
+    Networks this small gain little from a second thread and repeats need nothing of each other; torch
+    releases the interpreter's lock in its operations.
+    """
+    with ThreadPoolExecutor(min(repeats, cores())) as pool:
+        return list(pool.map(make, range(repeats)))
+
+
+def in_processes(make: Callable[[int], Result], repeats: int) -> list[Result]:
+    """The same, each repeat in a process of its own: for what draws from generators that a process shares.
+
+    ``make`` and its results go through pickle. One repeat at a time needs no other process.
+    """
+    workers = min(repeats, cores())
+    if workers <= 1:
+        return [make(repeat) for repeat in range(repeats)]
+    share = max(1, cores() // workers)
+    with ProcessPoolExecutor(workers, get_context("spawn"), _begin_process, (share,)) as pool:
+        return list(pool.map(make, range(repeats)))
+
+
+def _begin_process(share: int) -> None:
+    """Runs first in each process of :func:`in_processes`."""
+    die_with_parent()
+    os.environ[CORES_VARIABLE] = str(share)
 
 
 def finished(stage: str, repeat: int, make: Callable[[Path, Path], None], **decides: Any) -> Path:

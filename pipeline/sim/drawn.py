@@ -14,6 +14,7 @@ from pipeline.contract.errors import BelvedereError
 from pipeline.sim import packets, painting, raytracer
 
 _UNSET_RGBA = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default; a material's colour takes its place
+_LOCKED = 1e9  # N s/m; Fetch's base is held in place by 1e11, and moves by 2e-8 m in an episode
 _SMOOTH = 0.8  # cosine between face and vertex normal, below which MuJoCo takes the face's
 
 _meshes: dict[tuple[str, bytes], wp.Mesh] = {}  # shared by all pictures of the process, which only read them
@@ -38,14 +39,22 @@ def drawn_geoms(model: mujoco.MjModel, groups: Sequence[int]) -> np.ndarray:
 
 
 def still(model: mujoco.MjModel, geoms: np.ndarray) -> np.ndarray:
-    """Which geoms are fixed to the world; shape (n,), bool."""
-    root = model.body_weldid[model.geom_bodyid[geoms]]
-    return np.asarray((root == 0) & (model.body_mocapid[root] < 0))
+    """Which geoms stand still: no mocap body or joint moves them, but for locked joints; shape (n,), bool."""
+    moves = np.zeros(model.nbody, dtype=bool)
+    for body in range(1, model.nbody):  # parents come first
+        joints = slice(model.body_dofadr[body], model.body_dofadr[body] + model.body_dofnum[body])
+        free = (model.dof_damping[joints] < _LOCKED).any()
+        moves[body] = moves[model.body_parentid[body]] or free or model.body_mocapid[body] >= 0
+    return ~moves[model.geom_bodyid[geoms]]
 
 
-def geom_arrays(model: mujoco.MjModel, geoms: np.ndarray) -> tuple[wp.array, wp.array]:
-    """The chosen geoms (n,) and their meshes' corner normals (c, 3), on Warp's current device."""
-    listed, normals, begin = [], [np.zeros((1, 3))], 1  # one normal too many: no array is empty
+def geom_arrays(model: mujoco.MjModel, geoms: np.ndarray) -> tuple[wp.array, wp.array, wp.array]:
+    """On Warp's current device: the chosen geoms (n,), their meshes' faces (12, f), corner normals (3 f, 3).
+
+    A face is a corner, the two edges from it, and their cross product, which points inwards; each mesh's
+    faces stand in the order of its search tree, their normals in the model's order.
+    """
+    listed, faces, normals = [], [np.zeros((0, 12))], [np.zeros((0, 3))]
     for number in geoms:
         geom = raytracer.Geom()
         geom.number, geom.kind = int(number), int(model.geom_type[number])
@@ -53,12 +62,13 @@ def geom_arrays(model: mujoco.MjModel, geoms: np.ndarray) -> tuple[wp.array, wp.
         geom.middle, geom.half = wp.vec3(*model.geom_aabb[number, :3]), wp.vec3(*model.geom_aabb[number, 3:])
         if geom.kind == mujoco.mjtGeom.mjGEOM_MESH:
             mesh = int(model.geom_dataid[number])
-            geom.mesh, geom.normals = _mesh(model, mesh).id, begin
+            geom.mesh, geom.first_face = _mesh(model, mesh).id, sum(map(len, faces))
+            faces.append(_triangles(model, mesh)[_order(_mesh(model, mesh))])
             normals.append(_corner_normals(model, mesh))
-            begin += len(normals[-1])
         listed.append(geom)
     return (
         wp.array(listed, dtype=raytracer.Geom, shape=len(listed)),
+        wp.array(np.pad(np.concatenate(faces).T, ((0, 0), (0, packets.LANES))), dtype=float),
         wp.array(np.concatenate(normals), dtype=wp.vec3),
     )
 
@@ -120,6 +130,20 @@ def _faces(model: mujoco.MjModel, mesh: int) -> tuple[np.ndarray, np.ndarray, sl
     return model.mesh_vert[vertices], model.mesh_face[faces], faces
 
 
+def _triangles(model: mujoco.MjModel, mesh: int) -> np.ndarray:
+    """A mesh's rows (f, 12) of :func:`geom_arrays`."""
+    points, corners, _ = _faces(model, mesh)
+    a, b, c = (points[corners[:, k]] for k in range(3))
+    return np.concatenate([a, b - a, c - a, np.cross(c - a, b - a)], axis=1)
+
+
+def _order(mesh: wp.Mesh) -> np.ndarray:
+    """The mesh's faces as its search tree has them, leaf by leaf."""
+    order = wp.zeros(len(mesh.indices) // 3, dtype=int)
+    wp.launch(packets.tree_order, dim=len(order), inputs=[mesh.id], outputs=[order])
+    return np.asarray(order.numpy())
+
+
 def _corner_normals(model: mujoco.MjModel, mesh: int) -> np.ndarray:
     """The normals (3 f, 3) from which MuJoCo's renderer shades a mesh."""
     points, corners, where = _faces(model, mesh)
@@ -142,6 +166,6 @@ def _mesh(model: mujoco.MjModel, mesh: int) -> wp.Mesh:
                 points=wp.array(points, dtype=wp.vec3),
                 indices=wp.array(corners.reshape(-1), dtype=wp.int32),
                 bvh_constructor="sah",
-                bvh_leaf_size=8,
+                bvh_leaf_size=32,
             )
         return _meshes[key]

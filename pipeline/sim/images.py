@@ -18,7 +18,7 @@ import warp as wp
 from pipeline.contract.errors import BelvedereError
 from pipeline.sim import drawn, painting
 from pipeline.sim.camera import Viewpoint, camera_to_world
-from pipeline.sim.scene import CAMERA, TARGET_GROUP, Scene
+from pipeline.sim.scene import CAMERA, TARGET_GROUP, Scene, initial_data
 from pipeline.sim.sight import PICTURE_SIZE
 from pipeline.sim.tracing import StillLife, Tracer
 
@@ -95,13 +95,14 @@ class Images:
         with wp.ScopedDevice("cpu"):
             self._model = mjw.put_model(model)
             self._data = mjw.make_data(model, nworld=count, nconmax=1, njmax=1)
+            self._data.qpos.numpy()[:] = initial_data(scene).qpos  # where locked joints stand
             mjw.kinematics(self._model, self._data)
             eye, rays = drawn.view_of(model, data, camera, samples)
             lights = drawn.lights_of(model, data, camera)
             fixed = Tracer(model, geoms[still], 1, eye, rays)
             self._tracer = Tracer(model, geoms[~still], count, eye, rays)
             fixed.subject.lights = self._tracer.subject.lights = lights
-            self._still = StillLife(fixed, self._data, wp.vec3(*scene.params.light.background_rgb))
+            self._still = StillLife(fixed, self._data, wp.vec3(*scene.params.light.background_rgb), antialias)
             self._rgb = wp.zeros((count, size, size, 3), dtype=wp.uint8)
             self._seen = wp.zeros(count, dtype=int)
         # On the CPU these share memory with Warp's arrays.
@@ -125,10 +126,10 @@ class Images:
             self._seen.zero_()
             wp.launch(
                 painting.paint,
-                dim=(n, size, 1),
+                dim=(n, size),
                 inputs=[
-                    *(self._tracer.hits, self._tracer.subject, self._still.rgb, self._still.number),
-                    *(self._antialias, self._target, size),
+                    *(self._tracer.hits, self._tracer.subject, self._still.rgb, self._still.pixels),
+                    *(self._antialias, self._target),
                 ],
                 outputs=[self._rgb, self._seen],
             )

@@ -46,7 +46,7 @@ def _shade(world: int, lane: int, slot: int, hits: Hits, subject: Subject) -> wp
     direction = wp.vec3(subject.rays[0, lane], subject.rays[1, lane], subject.rays[2, lane])
     normal = wp.vec3(0.0)
     if geom.kind == wp.static(MESH):
-        first = geom.normals + 3 * hits.face[world, lane]
+        first = 3 * (geom.first_face + hits.face[world, lane])
         u, v = hits.u[world, lane], hits.v[world, lane]
         a, b = subject.corner_normals[first], subject.corner_normals[first + 1]
         smooth = a * u + b * v + subject.corner_normals[first + 2] * (1.0 - u - v)
@@ -65,18 +65,22 @@ def _shade(world: int, lane: int, slot: int, hits: Hits, subject: Subject) -> wp
     return wp.min(wp.cw_mul(geom.rgb, light), wp.vec3(1.0))
 
 
+@wp.func
+def _lane(row: int, column: int, samples: int) -> int:
+    """Where a sample stands among the rays, packet by packet."""
+    packets = (samples + wp.static(SIDE) - 1) // wp.static(SIDE)
+    packet = (row // wp.static(SIDE)) * packets + column // wp.static(SIDE)
+    return packet * wp.static(LANES) + (row % wp.static(SIDE)) * wp.static(SIDE) + column % wp.static(SIDE)
+
+
 @wp.kernel
-def paint_still(
-    hits: Hits, subject: Subject, background: wp.vec3, rgb: wp.array[wp.vec3], numbers: wp.array[int]
-) -> None:
-    """Colours of world 0's samples, and the model's numbers of their geoms (-1: none)."""
+def paint_still(hits: Hits, subject: Subject, background: wp.vec3, rgb: wp.array[wp.vec3]) -> None:
+    """Colours of world 0's samples."""
     lane = wp.tid()
     slot = hits.slot[0, lane]
     rgb[lane] = background
-    numbers[lane] = -1
     if slot >= 0:
         rgb[lane] = _shade(0, lane, slot, hits, subject)
-        numbers[lane] = subject.geoms[subject.placed[0, slot].place].number
 
 
 @wp.kernel
@@ -84,35 +88,51 @@ def paint(
     hits: Hits,
     subject: Subject,
     still_rgb: wp.array[wp.vec3],
-    still_numbers: wp.array[int],
+    still_pixels: wp.array3d[wp.uint8],
     antialias: int,
     target: int,
-    span: int,
     rgb: wp.array4d[wp.uint8],
     seen: wp.array[int],
 ) -> None:
-    """Pictures, ``span`` pixels of a row a thread; ``seen`` counts the samples of geom ``target``."""
-    world, row, part = wp.tid()
-    packets = (subject.view.samples + wp.static(SIDE) - 1) // wp.static(SIDE)
+    """Pictures, a row a thread, from the samples' hits and, where there are none, ``still_pixels``.
+
+    ``seen`` counts the samples of geom ``target``, which moves.
+    """
+    world, row = wp.tid()
     scale = 255.0 / float(antialias * antialias)
     count = wp.int32(0)
-    for column in range(part * span, wp.min((part + 1) * span, rgb.shape[2])):
+    for column in range(rgb.shape[2]):
         total = wp.vec3(0.0)
-        for index in range(antialias * antialias):
-            y = row * antialias + index // antialias
-            x = column * antialias + index % antialias
-            packet = (y // wp.static(SIDE)) * packets + x // wp.static(SIDE)
-            lane = packet * wp.static(LANES) + (y % wp.static(SIDE)) * wp.static(SIDE) + x % wp.static(SIDE)
-            slot = hits.slot[world, lane]
-            number = still_numbers[lane]
-            colour = still_rgb[lane]
-            if slot >= 0:
-                number = subject.geoms[subject.placed[world, slot].place].number
-                colour = _shade(world, lane, slot, hits, subject)
-            total += colour
-            if number == target:
-                count += 1
+        moved = wp.int32(0)
+        for down in range(antialias):
+            for across in range(antialias):
+                lane = _lane(row * antialias + down, column * antialias + across, subject.view.samples)
+                slot = hits.slot[world, lane]
+                if slot >= 0:
+                    moved += 1
+                    total += _shade(world, lane, slot, hits, subject)
+                    if subject.geoms[subject.placed[world, slot].place].number == target:
+                        count += 1
+                elif antialias > 1:
+                    total += still_rgb[lane]
         for channel in range(3):
-            rgb[world, row, column, channel] = wp.uint8(total[channel] * scale)
+            if moved > 0:
+                rgb[world, row, column, channel] = wp.uint8(total[channel] * scale)
+            else:
+                rgb[world, row, column, channel] = still_pixels[row, column, channel]
     if count > 0:
         wp.atomic_add(seen, world, count)
+
+
+@wp.kernel
+def paint_still_pixels(
+    still_rgb: wp.array[wp.vec3], samples: int, antialias: int, pixels: wp.array3d[wp.uint8]
+) -> None:
+    """The picture of what stands still."""
+    row, column = wp.tid()
+    total = wp.vec3(0.0)
+    for down in range(antialias):
+        for across in range(antialias):
+            total += still_rgb[_lane(row * antialias + down, column * antialias + across, samples)]
+    for channel in range(3):
+        pixels[row, column, channel] = wp.uint8(total[channel] * (255.0 / float(antialias * antialias)))

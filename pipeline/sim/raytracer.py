@@ -31,7 +31,7 @@ class Geom:
     middle: wp.vec3  # of the bounding box, in the geom's frame
     half: wp.vec3
     mesh: wp.uint64
-    normals: int  # where the mesh's corner normals begin
+    first_face: int  # of the mesh, in the list of all faces
 
 
 @wp.struct
@@ -155,6 +155,7 @@ def _meet_shape(
 @wp.kernel
 def trace(
     geoms: wp.array[Geom],
+    triangles: wp.array2d[float],
     placed: wp.array2d[Placed],
     visible: wp.array[int],
     view: View,
@@ -184,6 +185,8 @@ def trace(
         if geom.kind == wp.static(MESH):
             reach = meet_mesh(
                 geom.mesh,
+                triangles,
+                geom.first_face,
                 placed[world, slot].origin,
                 placed[world, slot].rotation,
                 rays,

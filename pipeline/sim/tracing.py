@@ -21,7 +21,7 @@ class Tracer:
         for name, kind in {"distance": float, "slot": int, "face": int, "u": float, "v": float}.items():
             setattr(self.hits, name, wp.zeros((worlds, rays.shape[1]), dtype=kind))
         self.subject = painting.Subject()
-        self.subject.geoms, self.subject.corner_normals = drawn.geom_arrays(model, geoms)
+        self.subject.geoms, self._triangles, self.subject.corner_normals = drawn.geom_arrays(model, geoms)
         self.subject.placed = wp.zeros((worlds, len(geoms)), dtype=raytracer.Placed)
         self.subject.view, self.subject.rays = view, rays
 
@@ -38,7 +38,10 @@ class Tracer:
         wp.launch(
             raytracer.trace,
             dim=(n, side, side),
-            inputs=[subject.geoms, subject.placed, self._visible, subject.view, subject.rays, limits],
+            inputs=[
+                *(subject.geoms, self._triangles, subject.placed, self._visible),
+                *(subject.view, subject.rays, limits),
+            ],
             outputs=[self.hits],
         )
 
@@ -49,17 +52,25 @@ class StillLife:
     Attributes:
         distance: shape (rays,), m.
         rgb: shape (rays,) of three, 0 to 1.
-        number: of the geoms in the model, -1 where there is none; shape (rays,).
+        pixels: bytes (size, size, 3).
     """
 
-    def __init__(self, tracer: Tracer, data: mjw.Data, background: wp.vec3) -> None:
+    def __init__(self, tracer: Tracer, data: mjw.Data, background: wp.vec3, antialias: int) -> None:
         rays = tracer.subject.rays.shape[1]
         tracer.trace(1, data, wp.full(rays, raytracer.FAR_M, dtype=float))
         self.distance = tracer.hits.distance.flatten()
-        self.rgb, self.number = wp.zeros(rays, dtype=wp.vec3), wp.zeros(rays, dtype=int)
+        self.rgb = wp.zeros(rays, dtype=wp.vec3)
         wp.launch(
             painting.paint_still,
             dim=rays,
             inputs=[tracer.hits, tracer.subject, background],
-            outputs=[self.rgb, self.number],
+            outputs=[self.rgb],
+        )
+        size = tracer.subject.view.samples // antialias
+        self.pixels = wp.zeros((size, size, 3), dtype=wp.uint8)
+        wp.launch(
+            painting.paint_still_pixels,
+            dim=(size, size),
+            inputs=[self.rgb, tracer.subject.view.samples, antialias],
+            outputs=[self.pixels],
         )

@@ -18,6 +18,7 @@ from pipeline.contract.params import Section
 # these do not. The anchors have no network and no pictures, so only the physics has to agree.
 COMPARED = ("device", "dtype", "torch", "mujoco", "mujoco_warp")
 COMPARED_WITH_ANCHORS = ("mujoco",)
+CHOSEN = ("device", "dtype")  # by the environment variables of these names
 ANCHORS = ("no_op", "blind", "expert")
 
 Table = dict[int, tuple[float, ...]]  # numbers by repeat
@@ -167,10 +168,15 @@ def _check_made_alike(scene: str, made_with: Mapping[str, Mapping[str, Any]], na
     for key, there in others:
         for name in names:
             if there.get(name) != here.get(name):
+                by = (
+                    f"`BELVEDERE_{name.upper()}={here.get(name)} dvc repro`"
+                    if name in CHOSEN
+                    else "`dvc repro`"
+                )
                 raise BelvedereError(
                     f"scene {scene} was made differently: {name} is {there.get(name)!r} for {key} but "
                     f"{here.get(name)!r} for {first}; rerun one of them as the other was made "
-                    f"(`dvc repro`), or set BELVEDERE_MIX=allow to rank them nevertheless."
+                    f"(`{by}dvc repro`), or set BELVEDERE_MIX=allow to rank them nevertheless."
                 )
 
 

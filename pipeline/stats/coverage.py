@@ -71,7 +71,8 @@ def covered(values: np.ndarray, confidence: float) -> Coverage:
     ms_residual = (residual**2).sum(axis=(1, 2)) / df_residual
     parts = np.stack([ms_repeat, (views - 1) * ms_residual]) / views
     variance = parts.sum(axis=0)
-    df = variance**2 / (parts**2 / np.array([[df_repeat], [df_residual]])).sum(axis=0)
+    squares = (parts**2 / np.array([[df_repeat], [df_residual]])).sum(axis=0)
+    df = np.divide(variance**2, squares, out=np.ones_like(variance), where=squares > 0)  # 0: no scatter
     half = stats.t.ppf((1 + confidence) / 2, df) * np.sqrt(variance / repeats)
     gap = np.ptp(means, axis=1)  # the widest difference decides for all
     widest = studentized_range(confidence, views, df_residual) * np.sqrt(ms_residual / repeats)

@@ -8,7 +8,6 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from pipeline.learning.device import one_thread
 from pipeline.learning.training import seeded
 from pipeline.worldmodel.params import ProbeParams
 
@@ -54,8 +53,7 @@ def probe(training: Labelled, heldout: Labelled, params: ProbeParams, seed: int)
     inputs, unseen = scale.inputs(training), scale.inputs(heldout)
     linear = _linear(inputs, scale.outputs(training))
     errors = _errors("linear", scale.metres(_with_one(unseen) @ linear), heldout)
-    with one_thread():
-        network = _network(inputs, scale.outputs(training), params, seed)
+    network = _network(inputs, scale.outputs(training), params, seed)
     with torch.inference_mode():
         errors |= _errors("mlp", scale.metres(network(unseen)), heldout)
     return errors

@@ -44,8 +44,9 @@ def losses(vae: Vae, folded_bytes: Tensor, noise: Tensor, compute: Compute) -> L
     inputs = pictures.floats(folded_bytes)
     with compute.autocast():
         mean, log_variance = vae.encode_folded(inputs)
-        outputs = vae.decode_folded(mean + (0.5 * log_variance).exp() * noise)
-    error = (outputs - inputs).square().sum((1, 2, 3))
+        outputs = vae.decode_blocks(mean + (0.5 * log_variance).exp() * noise)
+    wished = pictures.floats(pictures.blocks(folded_bytes))
+    error = (outputs - wished).square().sum((1, 2, 3))
     return Losses(error, kl_nats(mean, log_variance))
 
 

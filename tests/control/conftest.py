@@ -35,5 +35,5 @@ def world_model(scene: Scene) -> tuple[Vae, MdnRnn]:
 def loops(scene: Scene, world_model: tuple[Vae, MdnRnn]) -> dict[int, Loop]:
     """Loops over the same scene and world model, by their number of threads."""
     vae, rnn = world_model
-    encoder = Encoder(vae, Compute(torch.device("cpu"), torch.float32, 1))
+    encoder = Encoder(vae, Compute(torch.device("cpu"), torch.float32))
     return {threads: Loop(scene, viewpoint("panda_2dof", 0, 0), encoder, rnn, threads) for threads in (1, 2)}

@@ -60,12 +60,3 @@ def test_it_is_the_least_squares_solution_scaled(rnn: MdnRnn, experience: Experi
     np.testing.assert_allclose(
         from_rewards(rnn, experience, RIDGE), expected.reshape(-1), rtol=1e-6, atol=1e-9
     )
-
-
-def test_threads_do_not_change_it(rnn: MdnRnn, experience: Experience) -> None:
-    found, before = [], torch.get_num_threads()
-    for threads in (1, 2):
-        torch.set_num_threads(threads)
-        found.append(from_rewards(rnn, experience, RIDGE))
-    torch.set_num_threads(before)
-    assert found[0].tobytes() == found[1].tobytes()

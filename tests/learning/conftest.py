@@ -1,15 +1,16 @@
-"""Small networks: one thread, so that a busy machine does not make threads wait for each other."""
+"""Small networks: one thread, as every stage has it (``pipeline.learning.device.compute``)."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import pytest
-
-from pipeline.learning.device import one_thread
+import torch
 
 
 @pytest.fixture(autouse=True)
 def one_thread_each() -> Iterator[None]:
-    with one_thread():
-        yield
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)

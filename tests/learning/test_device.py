@@ -14,8 +14,6 @@ from pipeline.learning.device import compute
     [
         ("BELVEDERE_DEVICE", "gpu"),
         ("BELVEDERE_DTYPE", "float16"),
-        ("BELVEDERE_CORES", "0"),
-        ("BELVEDERE_CORES", "two"),
     ],
 )
 def test_a_bad_choice_is_named(monkeypatch: pytest.MonkeyPatch, variable: str, value: str) -> None:
@@ -33,11 +31,7 @@ def test_cuda_is_refused_where_there_is_none(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_the_choice_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
     before = torch.get_num_threads()
-    for variable, value in (
-        ("BELVEDERE_DEVICE", "cpu"),
-        ("BELVEDERE_DTYPE", "bfloat16"),
-        ("BELVEDERE_CORES", "1"),
-    ):
+    for variable, value in (("BELVEDERE_DEVICE", "cpu"), ("BELVEDERE_DTYPE", "bfloat16")):
         monkeypatch.setenv(variable, value)
     place = compute()
     try:

@@ -14,6 +14,7 @@ import warp as wp
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.sim.camera import Viewpoint
+from pipeline.sim.drawn import still
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.images import Gallery, Images, model_seen_from, target_pixels_unhidden
 from pipeline.sim.scene import CAMERA, Scene
@@ -158,6 +159,14 @@ def test_antialiased_pixels_are_means(size: int) -> None:
     assert np.abs(smooth - mean).max() <= 1.0
 
 
+def test_what_locked_joints_hold_stands_still() -> None:
+    model = compiled("fetch_reach").model
+    names = [model.body(body).name.removeprefix("robot0:") for body in model.geom_bodyid]
+    stands = dict(zip(names, still(model, np.arange(model.ngeom)), strict=True))
+    assert stands["base_link"] and stands["torso_fixed_link"] and stands["table0"]
+    assert not stands["torso_lift_link"] and not stands["gripper_link"] and not stands["target"]
+
+
 PRIMITIVES = """
 <mujoco>
   <visual><headlight ambient=".3 .3 .3" diffuse=".4 .4 .4" specular="0 0 0"/></visual>
@@ -179,7 +188,8 @@ PRIMITIVES = """
 
 
 def with_model(xml: str) -> Scene:
-    return replace(compiled("panda_2dof"), model=mujoco.MjModel.from_xml_string(xml))
+    scene = compiled("panda_2dof")
+    return replace(scene, model=mujoco.MjModel.from_xml_string(xml), robot=replace(scene.robot, home={}))
 
 
 @pytest.mark.parametrize("theta", [0.0, 35.0])

@@ -72,6 +72,11 @@ def test_twice_the_same_bytes_and_more_repeats_train_only_the_added(
     assert metrics["return_mean"] == pytest.approx(table["return"].mean())
     assert metrics["replay_memory_bytes"] == 128 * (2 * 64 * 64 * 3 + 20)
     assert np.isfinite(table["expert_return"].to_numpy()).all()
+    twice = written()
+    monkeypatch.setenv("BELVEDERE_SCRATCH", str(workplace / "a third"))
+    monkeypatch.setenv("BELVEDERE_CORES", "2")  # now each repeat in a process of its own
+    dqn.main(**VIEW, **OUTS)
+    assert written() == twice and len(calls) == 1
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from tests.stages.worldmodel_stages import write_frames
 @pytest.fixture(autouse=True)
 def _float32(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BELVEDERE_DTYPE", "float32")
-    monkeypatch.setenv("BELVEDERE_CORES", "1")
+    monkeypatch.setenv("BELVEDERE_CORES", "2")
 
 
 def test_each_repeat_is_encoded_by_its_own_network(tmp_path: Path) -> None:

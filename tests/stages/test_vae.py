@@ -46,10 +46,10 @@ def test_it_writes_weights_metrics_and_a_picture(undisturbed: Workplace) -> None
     assert Image.open(undisturbed.root / "reconstructions.png").size == (8 * 128, 2 * 128)
 
 
-def test_killed_and_continued_it_ends_with_the_same_bytes(
+def test_killed_and_continued_on_two_cores_it_ends_with_the_same_bytes(
     frames: Path, undisturbed: Workplace, tmp_path: Path
 ) -> None:
-    place = Workplace(tmp_path)
+    place = Workplace(tmp_path, cores=2)
     place.write_params(vae_epochs=EPOCHS)
     process = place.start("vae", *place.vae(frames), before=EAGER)
     deadline_s = time.monotonic() + 120

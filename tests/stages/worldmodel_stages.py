@@ -60,6 +60,7 @@ class Workplace:
     """A folder with its own params.yaml, scratch store and artefacts."""
 
     root: Path
+    cores: int = 1
 
     def write_params(self, vae_epochs: int = 2, mdnrnn_epochs: int = 2) -> None:
         tree = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
@@ -73,7 +74,7 @@ class Workplace:
         imports = f"from pipeline.contract.stage import entry\nfrom pipeline.{stage} import main"
         code = f"{before}\n{imports}\nentry(main)"
         environment = {k: v for k, v in os.environ.items() if not k.startswith("BELVEDERE_")}
-        environment |= {"PYTHONPATH": str(ROOT), "BELVEDERE_CORES": "1"}
+        environment |= {"PYTHONPATH": str(ROOT), "BELVEDERE_CORES": str(self.cores)}
         command = [sys.executable, "-c", code, *(str(flag) for flag in flags)]
         return subprocess.Popen(
             command, cwd=self.root, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE

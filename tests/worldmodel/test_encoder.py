@@ -19,7 +19,7 @@ BYTES = np.random.default_rng(1).integers(0, 256, (20, 64, 64, 3), dtype=np.uint
 def test_it_is_the_vaes_posterior(dtype: torch.dtype, error: float, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(encoder, "BATCH", 8)  # so that the pictures make several batches
     vae = initialised(seeded(1))
-    place = Compute(torch.device("cpu"), dtype, 1)
+    place = Compute(torch.device("cpu"), dtype)
     with torch.inference_mode():
         wished = vae.encode(torch.from_numpy(BYTES).permute(0, 3, 1, 2).float() / 255)
     for mine, theirs in zip(Encoder(vae, place).posterior(BYTES), wished, strict=True):

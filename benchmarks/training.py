@@ -1,0 +1,86 @@
+"""One training at the quick budget: the real stages of one branch, with one repeat, in a temporary folder.
+
+One repeat, not the budget's number of them: it fits into the benchmark's time, and it bears the starts
+of all stages by itself, so it bounds from above what a training costs among several.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from benchmarks.rows import AT_MOST, Row, goal_row
+from pipeline.contract.errors import BelvedereError
+
+ROOT = Path(__file__).resolve().parents[1]
+BRANCH = "panda_2dof-a"
+GOAL_S = 80.0
+STAGES = ("frames", "vae", "latents", "mdnrnn", "controller", "evaluation")
+TABLE = "one training, quick budget, by stage"
+
+
+def measure() -> list[Row]:
+    """The training's row, and its stages' seconds as a table; rollouts, the scene's, do not count."""
+    with tempfile.TemporaryDirectory() as folder:
+        seconds = trained(Path(folder), "quick")
+    whole, scene = sum(seconds.values()), _view()["scene"]
+    goal = goal_row("one training, quick budget, 1 repeat", scene, whole, None, "s", None, GOAL_S, AT_MOST)
+    return [goal, {"table": TABLE, "branch": BRANCH, "unit": "s", **seconds, "all": whole}]
+
+
+def trained(folder: Path, budget: str) -> dict[str, float]:
+    """Trains the branch once in ``folder``, from nothing; seconds by stage.
+
+    Raises:
+        BelvedereError: a stage failed.
+    """
+    tree = _read("params.yaml")
+    tree["budget"], tree["budgets"][budget]["repeats"] = budget, 1
+    (folder / "params.yaml").write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
+    _run(folder, command("rollouts"))
+    seconds = {}
+    for stage in STAGES:
+        begin = time.perf_counter()
+        _run(folder, command(stage))
+        seconds[stage] = time.perf_counter() - begin
+    return seconds
+
+
+def command(stage: str) -> list[str]:
+    """The stage's command for the branch, as dvc.yaml has it, with this Python."""
+    view = _view()
+    # a stage of a scene is given the scene's name, one of a branch its key and its viewpoint
+    values: dict[str, Any] = {"item": view["scene"], "key": BRANCH}
+    values |= {f"item.{name}": value for name, value in view.items()}
+    text = _read("dvc.yaml")["stages"][stage]["do"]["cmd"]
+    filled = re.sub(r"\$\{([^}]+)\}", lambda found: str(values[found[1]]), text)
+    program, *arguments = shlex.split(filled)
+    if program != "python":
+        raise ValueError(f"stage {stage} starts {program}")
+    return [sys.executable, *arguments]
+
+
+def _run(folder: Path, words: list[str]) -> None:
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("DVC_")}
+    place = {"PYTHONPATH": str(ROOT), "BELVEDERE_SCRATCH": str(folder / ".scratch")}
+    done = subprocess.run(words, cwd=folder, env=kept | place, capture_output=True, text=True)
+    if done.returncode:
+        told = done.stderr.strip().splitlines() or ["it says nothing"]
+        raise BelvedereError(f"`{shlex.join(words[1:])}` ended with status {done.returncode}: {told[-1]}")
+
+
+def _view() -> dict[str, Any]:
+    return dict(_read("params.yaml")["viewpoints"][BRANCH])
+
+
+def _read(name: str) -> Any:
+    return yaml.safe_load((ROOT / name).read_text(encoding="utf-8"))

@@ -1,0 +1,32 @@
+"""The benchmark's training starts the stages as dvc.yaml does."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from benchmarks.training import BRANCH, STAGES, command, trained
+
+DVC = yaml.safe_load(Path("dvc.yaml").read_text(encoding="utf-8"))["stages"]
+
+
+@pytest.mark.parametrize("stage", ("rollouts", *STAGES))
+def test_commands_are_those_of_dvc_yaml(stage: str) -> None:
+    words = command(stage)
+    assert words[:3] == [sys.executable, "-m", f"pipeline.{stage}"]
+    assert not any("$" in word for word in words)
+    asked = [word for word in DVC[stage]["do"]["cmd"].split() if word.startswith("--")]
+    assert [word for word in words if word.startswith("--")] == asked
+    if stage != "rollouts":
+        assert any(BRANCH in word for word in words)
+
+
+@pytest.mark.slow
+def test_a_tiny_training_runs_from_end_to_end(tmp_path: Path) -> None:
+    seconds = trained(tmp_path, "tiny")
+    assert tuple(seconds) == STAGES and min(seconds.values()) > 0
+    assert (tmp_path / "models" / "controller" / BRANCH / "repeat_0.npz").is_file()
+    assert not (tmp_path / "models" / "controller" / BRANCH / "repeat_1.npz").exists()
