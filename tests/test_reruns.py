@@ -79,7 +79,11 @@ def test_side_by_side_gives_the_serial_lock_and_no_stage_runs_twice(done: Clone,
         done.run("git", "clone", "--quiet", done.root, tmp_path / name)
         fresh = Clone(tmp_path / name)
         fresh.lend_environment()
-        fresh.run("sed", "-i.former", "s/^seed: .*/seed: 77/", "params.yaml")
+        params = (fresh.root / "params.yaml").read_text(encoding="utf-8")
+        former = "panda_2dof-b: {scene: panda_2dof, theta: 90, phi: 0}"
+        assert params.count(former) == 1
+        changed = params.replace(former, former.replace("phi: 0", "phi: 7"))
+        (fresh.root / "params.yaml").write_text(changed, encoding="utf-8")
         told = fresh.run("./run", *words, "ranking@panda_2dof", timeout_s=1800).stdout
         logs = [file.read_text(encoding="utf-8") for file in (fresh.root / ".scratch/logs").glob("*.log")]
         runs = re.findall(r"Running stage '([^']+)'", "".join([told, *logs]))

@@ -20,7 +20,8 @@ from runner.schedule import Schedule
 
 # As DVC does, it leaves SIGINT to the stage, which is a process of its own.
 DVC = """#!{python}
-import os, signal, subprocess, sys, time
+import os, pathlib, signal, subprocess, sys, time
+import psutil
 words, stages = sys.argv[1:4], sys.argv[4:]
 assert words == ["--wait-for-lock", "repro", "--single-item"]
 def note(what):
@@ -38,6 +39,13 @@ print("the first of many lines")
 for line in range(50):
     print("line", line)
 ended = stage.wait()
+if "failing" in stages[0]:
+    pathlib.Path("aside").write_text(str(os.getpid()))
+    os.rename("aside", "failing.pid")
+if "outliving" in stages[0]:  # until it was noticed that the failing one has ended
+    pid = pathlib.Path("failing.pid")
+    while not pid.exists() or psutil.pid_exists(int(pid.read_text())):
+        time.sleep(0.02)
 note("end")
 sys.exit(7 if "failing" in stages[0] else abs(ended))
 """
@@ -96,9 +104,9 @@ def test_after_a_failure_none_begins_and_those_at_work_finish(
     place: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(BelvedereError, match="failing failed with status 7") as told:
-        made(place, 2).run([job("failing"), job("beside"), job("after", "failing"), job("later")])
-    assert {name for _, name in calls(place)} == {"failing", "beside"}
-    assert ("end", "beside") in calls(place)
+        made(place, 2).run([job("failing"), job("outliving"), job("after", "failing"), job("later")])
+    assert {name for _, name in calls(place)} == {"failing", "outliving"}
+    assert ("end", "outliving") in calls(place)
     assert "line 49" in str(told.value) and "the first of many" not in str(told.value)
     assert "failing.log" in str(told.value)
     assert "failing: failed" in capsys.readouterr().out
