@@ -22,6 +22,7 @@ MODULES = (
     "training",
     "dqn",
     "growth",
+    "device_loop",
 )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import warp as wp
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.sim import packets, painting, raytracer
+from pipeline.sim import packets, painting, raytracer, walk
 
 _UNSET_RGBA = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default; a material's colour takes its place
 _LOCKED = 1e9  # N s/m; Fetch's base is held in place by 1e11, and moves by 2e-8 m in an episode
@@ -140,7 +140,7 @@ def _triangles(model: mujoco.MjModel, mesh: int) -> np.ndarray:
 def _order(mesh: wp.Mesh) -> np.ndarray:
     """The mesh's faces as its search tree has them, leaf by leaf."""
     order = wp.zeros(len(mesh.indices) // 3, dtype=int)
-    wp.launch(packets.tree_order, dim=len(order), inputs=[mesh.id], outputs=[order])
+    wp.launch(walk.tree_order, dim=len(order), inputs=[mesh.id], outputs=[order])
     return np.asarray(order.numpy())
 
 

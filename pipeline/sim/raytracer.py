@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import warp as wp
 
-from pipeline.sim.packets import LANES, MESH, PLANE, SIDE, meet_mesh, meet_primitive
+from pipeline.sim.packets import LANES, MESH, PLANE, SIDE, meet_primitive
+from pipeline.sim.walk import meet_mesh
 
 wp.set_module_options({"enable_backward": False, "fast_math": True})
 

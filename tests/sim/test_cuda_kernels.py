@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from pipeline.sim import device_drives, device_ik, device_worlds, drawn, packets, painting, raytracer
+from pipeline.sim import device_drives, device_ik, device_worlds, drawn, packets, painting, raytracer, walk
 from tests.sim.conftest import compiled
 
 HOPPER = 90  # compute capability 9.0: H100 and H200
@@ -35,7 +35,7 @@ def test_a_module_compiles_for_cuda(module: ModuleType, tmp_path: Path) -> None:
         assert any(entry.startswith(f"{name}_") for entry in entries), (name, entries)
 
 
-@wp.func_native(packets._QUERY.replace("defined(__CUDA_ARCH__)", "1"))
+@wp.func_native(walk._QUERY.replace("defined(__CUDA_ARCH__)", "1"))
 def meet_mesh_as_on_cuda(
     mesh_id: wp.uint64,
     triangles: wp.array2d[float],
@@ -52,7 +52,7 @@ def meet_mesh_as_on_cuda(
     us: wp.array2d[float],
     vs: wp.array2d[float],
 ) -> float:
-    """What :func:`pipeline.sim.packets.meet_mesh` is on CUDA, on the CPU: each ray alone."""
+    """What :func:`pipeline.sim.walk.meet_mesh` is on CUDA, on the CPU: each ray alone."""
 
 
 @wp.kernel
@@ -74,9 +74,7 @@ def meet(
             mesh, triangles, 0, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs
         )
     else:
-        packets.meet_mesh(
-            mesh, triangles, 0, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs
-        )
+        walk.meet_mesh(mesh, triangles, 0, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs)
 
 
 @pytest.mark.parametrize("inside", [False, True])
