@@ -18,7 +18,7 @@ from torch import Tensor
 
 from benchmarks.loops import Setting, candidates
 from benchmarks.rows import Row
-from pipeline.control.loop import SHARD, Loop
+from pipeline.control.loop import SHARD, Loop, Workers
 from pipeline.control.policy import Controllers
 from pipeline.learning.device import compute
 from pipeline.sim.draws import draw_episodes
@@ -94,8 +94,8 @@ def timed_loop(chosen: Setting, clock: Clock) -> Loop:
     """The closed loop with one worker, whose parts a clock watches."""
     encoder: Any = clock.timed("encode", Encoder(chosen.vae, compute()))
     rnn = copy.copy(chosen.rnn)
-    loop = Loop(chosen.scene, chosen.view, encoder, rnn, threads=1)
-    worker = loop._free[0]
+    workers = Workers(chosen.scene, chosen.view, threads=1)
+    worker = workers._free[0]
     watched = (
         (worker, "run", REST),
         (worker.images, "render", RENDER),
@@ -107,4 +107,4 @@ def timed_loop(chosen: Setting, clock: Clock) -> Loop:
     )
     for thing, method, part in watched:
         setattr(thing, method, clock.timed(part, getattr(thing, method)))
-    return loop
+    return Loop(workers, encoder, rnn)

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from pipeline.control.jobs import Networks
-from pipeline.control.loop import Loop
+from pipeline.control.loop import Loop, Workers
 from pipeline.control.loops import Loops, closed_loops
 from pipeline.control.policy import parameters
 from pipeline.learning.device import compute
@@ -39,7 +39,7 @@ class Setting:
 
     def loop(self, threads: int) -> Loop:
         """Belvedere's closed loop, on the device and in the precision that the environment chooses."""
-        return Loop(self.scene, self.view, Encoder(self.vae, compute()), self.rnn, threads)
+        return Loop(Workers(self.scene, self.view, threads), Encoder(self.vae, compute()), self.rnn)
 
     def loops(self, threads: int) -> Loops:
         """The same as the stages have it."""

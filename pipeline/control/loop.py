@@ -7,8 +7,8 @@ no number depends on how many threads there are. Rendering, physics and torch re
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -79,40 +79,64 @@ class _Worker:
         return Trace(*(np.stack(series, axis=1) for series in (qpos, tips, actions, rewards)))
 
 
-class Loop:
-    """Runs controllers in worlds seen from one viewpoint; its workers are used again by each call.
+class Workers:
+    """Simulations and pictures of shards, for all loops of a viewpoint to share.
 
     Args:
         scene: the compiled scene.
         view: where the camera stands.
-        encoder: pictures to z.
-        rnn: what h comes from.
         threads: how many shards run at a time; decides the speed and no number.
     """
 
-    def __init__(self, scene: Scene, view: Viewpoint, encoder: Encoder, rnn: MdnRnn, threads: int) -> None:
-        self.scene, self.rnn, self._encoder = scene, rnn, encoder
+    def __init__(self, scene: Scene, view: Viewpoint, threads: int) -> None:
+        self.scene = scene
         self._free = [_Worker(scene, view) for _ in range(threads)]
         # each thread has an OpenMP pool of its own: one thread each, or they fight for the cores
         self._pool = ThreadPoolExecutor(threads, initializer=torch.set_num_threads, initargs=(1,))
 
-    def run(self, controllers: Controllers, episodes: Episodes) -> Trace:
-        """Runs ``controllers[i]`` in ``episodes[i]``, for all i.
+    def start(self, shard: Callable[[_Worker], Trace]) -> Future[Trace]:
+        """Has a shard run by the next worker that is free."""
+
+        def run() -> Trace:
+            worker = self._free.pop()
+            try:
+                return shard(worker)
+            finally:
+                self._free.append(worker)
+
+        return self._pool.submit(run)
+
+
+class Loop:
+    """Runs controllers in worlds that they see through one world model.
+
+    Args:
+        workers: who runs the shards.
+        encoder: pictures to z.
+        rnn: what h comes from.
+    """
+
+    def __init__(self, workers: Workers, encoder: Encoder, rnn: MdnRnn) -> None:
+        self._workers, self._encoder, self._rnn = workers, encoder, rnn
+
+    def start(self, controllers: Controllers, episodes: Episodes) -> Callable[[], Trace]:
+        """Starts ``controllers[i]`` in ``episodes[i]``, for all i; what is returned waits for their trace.
 
         Raises:
-            BelvedereError: a controller or its world model gives actions that are no numbers.
+            BelvedereError: (while waiting) a controller or its world model gives actions that are no numbers.
         """
         count = len(episodes)
         if len(controllers) != count:
             raise ValueError(f"{len(controllers)} controllers for {count} episodes")
 
-        def shard(begin: int) -> Trace:
+        def shard(begin: int) -> Future[Trace]:
             members = np.minimum(np.arange(begin, begin + SHARD), count - 1)  # the last one fills up
-            worker = self._free.pop()
-            try:
-                chosen = controllers[torch.from_numpy(members)]
-                return worker.run(self._encoder, self.rnn, chosen, episodes[members])
-            finally:
-                self._free.append(worker)
+            chosen, starts = controllers[torch.from_numpy(members)], episodes[members]
+            return self._workers.start(lambda worker: worker.run(self._encoder, self._rnn, chosen, starts))
 
-        return Trace.joined(list(self._pool.map(shard, range(0, count, SHARD))), count)
+        shards = [shard(begin) for begin in range(0, count, SHARD)]
+        return lambda: Trace.joined([each.result() for each in shards], count)
+
+    def run(self, controllers: Controllers, episodes: Episodes) -> Trace:
+        """The trace of :meth:`start`."""
+        return self.start(controllers, episodes)()

@@ -10,7 +10,7 @@ import torch
 
 from pipeline.control.device_loop import DeviceLoop
 from pipeline.control.jobs import Job, Networks
-from pipeline.control.loop import Loop, Trace
+from pipeline.control.loop import Loop, Trace, Workers
 from pipeline.sim.camera import Viewpoint
 from pipeline.sim.scene import Scene
 
@@ -29,15 +29,16 @@ class Loops(Protocol):
 
 
 class HostLoops:
-    """One :class:`Loop` for each world model, one job after the other: a job fills the cores by itself."""
+    """A :class:`Loop` for each world model, over the same workers: all jobs' shards share the cores."""
 
     def __init__(self, scene: Scene, view: Viewpoint, networks: Sequence[Networks], threads: int) -> None:
-        self.scene = scene
-        self._loops = [Loop(scene, view, each.encoder, each.rnn, threads) for each in networks]
+        self.scene, workers = scene, Workers(scene, view, threads)
+        self._loops = [Loop(workers, each.encoder, each.rnn) for each in networks]
 
     def run(self, jobs: Sequence[Job]) -> Iterator[Trace]:
-        """Each job's trace, as soon as it is done."""
-        return (self._loops[job.member].run(job.controllers, job.episodes) for job in jobs)
+        """Each job's trace, as soon as it and those before it are done."""
+        started = [self._loops[job.member].start(job.controllers, job.episodes) for job in jobs]
+        return (trace() for trace in started)
 
 
 def closed_loops(

@@ -12,7 +12,7 @@ import torch
 from benchmarks.loops import VIEWS, Setting, candidates, setting
 from benchmarks.plain_loop import AS_IT_COMES, STRIPPED, Draw, PlainLoop, renderer
 from benchmarks.plain_processes import Crew
-from pipeline.control.loop import Loop
+from pipeline.control.loop import Loop, Workers
 from pipeline.control.policy import Controllers
 from pipeline.learning.device import Compute
 from pipeline.sim.draws import Episodes, draw_episodes
@@ -27,7 +27,7 @@ MOVED_M = 0.05  # how much the controllers change a return, at least: the tolera
 
 def ours(chosen: Setting, flat: np.ndarray, episodes: Episodes) -> np.ndarray:
     encoder = Encoder(chosen.vae, Compute(torch.device("cpu"), torch.float32))
-    loop = Loop(chosen.scene, chosen.view, encoder, chosen.rnn, 1)
+    loop = Loop(Workers(chosen.scene, chosen.view, 1), encoder, chosen.rnn)
     return loop.run(Controllers.of(flat, chosen.scene.action_size), episodes).returns
 
 

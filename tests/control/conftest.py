@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from pipeline.control.jobs import Networks
-from pipeline.control.loop import Loop
+from pipeline.control.loop import Loop, Workers
 from pipeline.learning.device import Compute
 from pipeline.sim.camera import viewpoint
 from pipeline.sim.scene import Scene, load_scene
@@ -37,7 +37,8 @@ def loops(scene: Scene, world_model: tuple[Vae, MdnRnn]) -> dict[int, Loop]:
     """Loops over the same scene and world model, by their number of threads."""
     vae, rnn = world_model
     encoder = Encoder(vae, Compute(torch.device("cpu"), torch.float32))
-    return {threads: Loop(scene, viewpoint("panda_2dof", 0, 0), encoder, rnn, threads) for threads in (1, 2)}
+    view = viewpoint("panda_2dof", 0, 0)
+    return {threads: Loop(Workers(scene, view, threads), encoder, rnn) for threads in (1, 2)}
 
 
 @pytest.fixture(scope="session")

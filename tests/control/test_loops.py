@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from pipeline.control.jobs import Job, Networks
-from pipeline.control.loop import Loop
+from pipeline.control.loop import Loop, Workers
 from pipeline.control.loops import HostLoops, closed_loops, judge
 from pipeline.control.policy import Controllers, parameters
 from pipeline.sim.camera import viewpoint
@@ -36,9 +36,8 @@ def test_each_job_sees_through_its_own_networks_to_the_same_bytes_as_alone(
     traces = dict(zip((1, 0), loops.run(jobs), strict=True))
     assert (traces[0].action != traces[1].action).any()
     for member, trace in traces.items():
-        loop = Loop(
-            scene, viewpoint(scene.name, 0, 0), networks[member].encoder, networks[member].rnn, threads=1
-        )
+        workers = Workers(scene, viewpoint(scene.name, 0, 0), threads=1)
+        loop = Loop(workers, networks[member].encoder, networks[member].rnn)
         alone = loop.run(jobs[0].controllers, jobs[0].episodes)
         for name in ("qpos", "tip_m", "action", "reward"):
             np.testing.assert_array_equal(getattr(trace, name), getattr(alone, name))

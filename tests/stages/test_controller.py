@@ -29,8 +29,8 @@ def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: p
     assert curve.columns == ["repeat", "generation", "frames", "mean", "best"]
     assert curve["frames"].to_list() == [4 * 2 * FRAMES, 2 * 4 * 2 * FRAMES]
     calls = []
-    run = loop.Loop.run
-    monkeypatch.setattr(loop.Loop, "run", lambda *arguments: calls.append(1) or run(*arguments))
+    start = loop.Loop.start
+    monkeypatch.setattr(loop.Loop, "start", lambda *arguments: calls.append(1) or start(*arguments))
     write_params(workplace, repeats=2)
     controller.main(**VIEW, **models, **OUTS)
     assert len(calls) == 2
