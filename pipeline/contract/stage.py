@@ -12,16 +12,19 @@ import inspect
 import os
 import signal
 import sys
+import threading
 import time
 import typing
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NoReturn
 
 from pipeline.contract import scratch
 from pipeline.contract.artefacts import write_json
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import cores, processor
 
+REPEAT = "repeat"  # what the names of threads in which repeats are made begin with
 _PR_SET_PDEATHSIG = 1
 
 
@@ -39,9 +42,17 @@ def entry(main: Callable[..., None], argv: Sequence[str] | None = None) -> None:
         _record_seconds(time.monotonic() - begun)
     except BelvedereError as error:
         print(f"error: {error}", file=sys.stderr)
-        raise SystemExit(1) from None
+        _leave(1)
     except KeyboardInterrupt:
-        os._exit(130)  # at once: an ordinary exit waits for threads, and a training can take hours
+        _leave(130)
+
+
+def _leave(status: int) -> NoReturn:
+    """Ends the process, at once if repeats are at work: an ordinary exit would wait for their threads."""
+    if any(thread.name.startswith(REPEAT) for thread in threading.enumerate()):
+        sys.stdout.flush()
+        os._exit(status)
+    raise SystemExit(status) from None
 
 
 def parser(main: Callable[..., None]) -> argparse.ArgumentParser:

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 from pipeline.contract import scratch
 from pipeline.contract.artefacts import read_json, write_json, writing
 from pipeline.contract.machine import CORES_VARIABLE, cores
-from pipeline.contract.stage import die_with_parent
+from pipeline.contract.stage import REPEAT, die_with_parent
 
 Result = TypeVar("Result")
 
@@ -43,8 +43,11 @@ def side_by_side(make: Callable[[int], Result], repeats: int) -> list[Result]:
     Networks this small gain little from a second thread and repeats need nothing of each other; torch
     releases the interpreter's lock in its operations.
     """
-    with ThreadPoolExecutor(min(repeats, cores())) as pool:
+    pool = ThreadPoolExecutor(min(repeats, cores()), REPEAT)
+    try:
         return list(pool.map(make, range(repeats)))
+    finally:  # after a failure or Ctrl-C nobody waits for the others
+        pool.shutdown(wait=False, cancel_futures=True)
 
 
 def in_processes(make: Callable[[int], Result], repeats: int) -> list[Result]:

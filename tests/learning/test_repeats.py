@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
 from pipeline.learning.repeats import Place, branch_metrics, code_digest, finished, finished_together
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(autouse=True)
@@ -73,3 +79,42 @@ def test_metrics_hold_the_means_over_repeats() -> None:
     assert metrics["loss_mean"] == 2.5
     assert [r["repeat"] for r in metrics["repeats"]] == [0, 1]
     assert "format" not in metrics
+
+
+SLOW_AND = """
+import sys, threading, time
+from pipeline.contract.errors import BelvedereError
+from pipeline.contract.stage import entry
+from pipeline.learning.repeats import side_by_side
+
+begun = threading.Event()
+
+def make(repeat):
+    if repeat == 0:
+        begun.wait()
+        if sys.argv[1] == "fails":
+            raise BelvedereError("repeat 0 cannot be made")
+    print("at work", flush=True)
+    begun.set()
+    time.sleep(60)
+
+entry(lambda: side_by_side(make, 2), [])
+"""
+
+
+@pytest.mark.parametrize(("what", "status"), [("fails", 1), ("is interrupted", 130)])
+def test_nobody_waits_for_the_other_repeats(what: str, status: int) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", SLOW_AND, what],
+        cwd=ROOT,
+        env=os.environ | {"BELVEDERE_CORES": "2"},
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    assert process.stdout is not None and process.stdout.readline() == "at work\n"
+    if status == 130:
+        process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=30)
+    assert process.returncode == status
+    assert said == ("error: repeat 0 cannot be made\n" if status == 1 else "")
