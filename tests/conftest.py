@@ -5,7 +5,9 @@ from __future__ import annotations
 import ctypes
 import os
 import shutil
+import signal
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -82,6 +84,18 @@ def gpu() -> None:
 
     if not torch.cuda.is_available():
         pytest.skip("not run: no CUDA device")
+
+
+@pytest.fixture
+def heeded_signals() -> Iterator[None]:
+    """Wishes to end are heeded, as on a terminal: what was started by nohup or `&` ignores them."""
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    ignored = [number for number in numbers if signal.getsignal(number) == signal.SIG_IGN]
+    for number in ignored:
+        signal.signal(number, signal.default_int_handler)
+    yield
+    for number in ignored:
+        signal.signal(number, signal.SIG_IGN)
 
 
 @pytest.fixture

@@ -102,6 +102,7 @@ entry(lambda: side_by_side(make, 2), [])
 """
 
 
+@pytest.mark.usefixtures("heeded_signals")
 @pytest.mark.parametrize(("what", "status"), [("fails", 1), ("is interrupted", 130)])
 def test_nobody_waits_for_the_other_repeats(what: str, status: int) -> None:
     process = subprocess.Popen(
