@@ -40,16 +40,17 @@ class Encoder:
     @torch.inference_mode()
     def latents(self, pictures_uint8: Tensor) -> Tensor:
         """Posterior means (n, 32), float32, of bytes (n, 64, 64, 3), left where the network computes."""
-        both = torch.cat([self._encode(part) for part in pictures_uint8.split(BATCH)])
-        return both.float().chunk(2, dim=1)[0]
+        return self._both(pictures_uint8).chunk(2, dim=1)[0]
 
     @torch.inference_mode()
     def posterior(self, pictures_uint8: np.ndarray | Tensor) -> tuple[Tensor, Tensor]:
         """Posterior means and log variances, each (n, 32), float32, of bytes (n, 64, 64, 3)."""
-        parts = torch.as_tensor(pictures_uint8).split(BATCH)
-        both = torch.cat([self._encode(part) for part in parts]).float().cpu()
-        mean, log_variance = both.chunk(2, dim=1)
+        mean, log_variance = self._both(torch.as_tensor(pictures_uint8)).cpu().chunk(2, dim=1)
         return mean, log_variance
+
+    def _both(self, pictures_uint8: Tensor) -> Tensor:
+        """Posterior means beside log variances, (n, 64), float32, left where the network computes."""
+        return torch.cat([self._encode(part) for part in pictures_uint8.split(BATCH)]).float()
 
     def _encode(self, part: Tensor) -> Tensor:
         hidden = part.to(self._compute.device).permute(0, 3, 1, 2).to(self._compute.dtype)

@@ -98,7 +98,7 @@ def fit(
 
 def mean_nll(network: MdnRnn, latents: Tensor, actions: Tensor, compute: Compute) -> Tensor:
     """Mean over episodes, frames and latents of the NLL (nats) of the next frame's latents."""
-    with compute.autocast():
+    with compute.autocast(recurrent=True):
         mixture = network(latents[:, :-1], actions[:, :-1])
     return mixture.nll(latents[:, 1:]).mean()
 

@@ -18,16 +18,24 @@ def fold(pictures: np.ndarray | Tensor) -> Tensor:
     return blocks.permute(0, 1, 3, 5, 2, 4).reshape(count, rows // 2, columns // 2, 4 * colours)
 
 
-def blocks(folded_bytes: Tensor) -> Tensor:
-    """Folded bytes (n, 32, 32, 12) as 4 × 4 blocks (n, 16, 16, 48), in ``torch.pixel_unshuffle``'s order."""
-    count = len(folded_bytes)
-    places = folded_bytes.reshape(count, 16, 2, 16, 2, 3, 2, 2).permute(0, 1, 3, 5, 2, 6, 4, 7)
-    return places.reshape(count, 16, 16, 48)
+def blocks(folded_pictures: Tensor) -> Tensor:
+    """Folded pictures (n, 12, 32, 32) as 4 × 4 blocks of pixels (n, 16, 16, 2, 24).
+
+    Each block is two rows of two folded places. It is a view of what lies channels last.
+    """
+    rows = folded_pictures.permute(0, 2, 3, 1).unflatten(2, (16, 2)).unflatten(1, (16, 2))
+    return rows.permute(0, 1, 3, 2, 4, 5).flatten(4)
 
 
-def unfold(blocked: Tensor) -> np.ndarray:
-    """Bytes (n, 64, 64, 3) of a decoder's blocks (n, 48, 16, 16) in [0, 1]."""
-    pixels = torch.pixel_shuffle(blocked.float(), 4).mul(255).round().clamp(0, 255)
+def folded(blocked: Tensor) -> Tensor:
+    """Folded pictures (n, 12, 32, 32) of blocks (n, 16, 16, 2, 24)."""
+    rows = blocked.permute(0, 1, 3, 2, 4)
+    return rows.reshape(len(blocked), 32, 32, 12).permute(0, 3, 1, 2)
+
+
+def unfold(folded_pictures: Tensor) -> np.ndarray:
+    """Bytes (n, 64, 64, 3) of folded pictures (n, 12, 32, 32) in [0, 1]."""
+    pixels = torch.pixel_shuffle(folded_pictures.float(), 2).mul(255).round().clamp(0, 255)
     return pixels.to(torch.uint8).permute(0, 2, 3, 1).cpu().numpy()
 
 

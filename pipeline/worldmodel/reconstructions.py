@@ -30,7 +30,7 @@ def reconstructions(vae: Vae, heldout: np.ndarray) -> np.ndarray:
     with torch.inference_mode():
         device = next(vae.parameters()).device
         mean, _ = vae.encode_folded(pictures.floats(pictures.fold(chosen).to(device)))
-        seen = pictures.unfold(vae.decode_blocks(mean))
+        seen = pictures.unfold(pictures.folded(vae.decode_blocks(mean)))
     rows = [np.concatenate(list(row), axis=1) for row in (chosen, seen)]
     return np.concatenate(rows).repeat(ENLARGEMENT, axis=0).repeat(ENLARGEMENT, axis=1)
 

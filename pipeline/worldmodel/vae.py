@@ -6,9 +6,9 @@ The parameters are those of the published network; the computation is an equal o
   convolution (stride 2, 3 channels) is one of stride 1 over 12; the last transposed one (stride 2,
   3 channels) is a plain convolution to 4 × 4 blocks of 48: channels fill the processor's vectors.
 - The last convolution, of 6 × 6 places to 2 × 2, and the first transposed one, of a 1 × 1 picture,
-  are written as the matrix products that they are.
-- Weights are cast to the precision of the products before they are rearranged, and transposed
-  convolutions add their bias afterwards: oneDNN adds it six times as slowly in bfloat16.
+  are written as the matrix products that they are, on weights as they lie in memory: to rearrange
+  millions of weights takes longer than to multiply by them.
+- Transposed convolutions add their bias afterwards: oneDNN adds it six times as slowly in bfloat16.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from torch import Tensor, nn
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.learning import checkpoints
+from pipeline.worldmodel import pictures
 
 LATENTS = 32
 SIZE = 64
@@ -42,7 +43,9 @@ class Vae(nn.Module):
         self.deconv2 = nn.ConvTranspose2d(128, 64, 5, 2)
         self.deconv3 = nn.ConvTranspose2d(64, 32, 6, 2)
         self.deconv4 = nn.ConvTranspose2d(32, 3, 6, 2)
-        self.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+        for layer in self.children():
+            if layer is not self.deconv1:  # its weight is a matrix
+                layer.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
 
     def encode(self, pictures: Tensor) -> tuple[Tensor, Tensor]:
         """Posterior mean and log variance, each (n, 32), of pictures (n, 3, 64, 64) in [0, 1]."""
@@ -50,7 +53,7 @@ class Vae(nn.Module):
 
     def decode(self, latents: Tensor) -> Tensor:
         """Pictures (n, 3, 64, 64) in [0, 1] of latents (n, 32)."""
-        return F.pixel_shuffle(self.decode_blocks(latents), 4)
+        return F.pixel_shuffle(pictures.folded(self.decode_blocks(latents)), 2)
 
     def encode_folded(self, folded: Tensor) -> tuple[Tensor, Tensor]:
         """The same of folded pictures (n, 12, 32, 32)."""
@@ -58,22 +61,21 @@ class Vae(nn.Module):
         hidden = F.relu(F.conv2d(folded, first, self.conv1.bias))
         hidden = F.relu(self.conv2(hidden))
         hidden = F.relu(self.conv3(hidden))
-        last = last_matrix(self.conv4.weight.to(hidden.dtype))
-        hidden = F.relu(last_convolution(hidden, last, self.conv4.bias)).flatten(1)
+        hidden = F.relu(last_convolution(hidden, last_matrix(self.conv4.weight), self.conv4.bias)).flatten(1)
         return self.mean(hidden).float(), self.log_variance(hidden).float()
 
     def decode_blocks(self, latents: Tensor) -> Tensor:
-        """Pictures in [0, 1] as 4 × 4 blocks of pixels, (n, 48, 16, 16), of latents (n, 32)."""
-        hidden = self.spread(latents)
-        matrix = self.deconv1.weight.to(hidden.dtype).permute(0, 2, 3, 1).reshape(1024, -1)
-        hidden = (hidden @ matrix).view(-1, 5, 5, 128).permute(0, 3, 1, 2)
+        """Pictures in [0, 1] as :func:`pictures.blocks`, (n, 16, 16, 2, 24), of latents (n, 32)."""
+        hidden = self.spread(latents) @ self.deconv1.weight.view(1024, -1)
+        hidden = hidden.view(-1, 128, 5, 5).contiguous(memory_format=torch.channels_last)
         hidden = F.relu(_biased(hidden, self.deconv1))
         for layer in (self.deconv2, self.deconv3):
             hidden = F.conv_transpose2d(hidden, layer.weight, stride=2)
             hidden = F.relu(_biased(hidden, layer))
         weight = blocked_deconvolution(self.deconv4.weight.to(hidden.dtype))
-        bias = _bias(self.deconv4).repeat_interleave(16)
-        return torch.sigmoid(F.conv2d(hidden, weight, bias, stride=2, padding=2).float())
+        bias = _bias(self.deconv4).repeat_interleave(4).repeat(4)
+        decoded = torch.sigmoid(F.conv2d(hidden, weight, bias, stride=2, padding=2).float())
+        return decoded.permute(0, 2, 3, 1).unflatten(3, (2, 24))
 
 
 def _bias(layer: nn.ConvTranspose2d) -> Tensor:
@@ -92,18 +94,16 @@ def folded_convolution(weight: Tensor) -> Tensor:
 
 
 def last_matrix(weight: Tensor) -> Tensor:
-    """Kernel (o, i, 4, 4) as the matrix (o, 16 · i) of :func:`last_convolution`."""
-    out, channels = weight.shape[:2]
-    return weight.reshape(out, channels, 2, 2, 2, 2).permute(0, 2, 4, 3, 5, 1).reshape(out, -1)
+    """Kernel (o, i, 4, 4) as the matrix (o, 16 · i) of :func:`last_convolution`; a view, channels last."""
+    return weight.permute(0, 2, 3, 1).flatten(1)
 
 
 def last_convolution(hidden: Tensor, matrix: Tensor, bias: Tensor | None) -> Tensor:
     """A convolution (4 × 4, stride 2) of places (n, i, 6, 6) to (n, o, 2, 2)."""
-    count, channels = hidden.shape[:2]
-    blocks = hidden.permute(0, 2, 3, 1).reshape(count, 3, 2, 3, 2, channels)
-    blocks = blocks.permute(0, 1, 3, 2, 4, 5).reshape(count, 3, 3, 4 * channels)
-    seen = [blocks[:, row : row + 2, column : column + 2] for row in range(2) for column in range(2)]
-    return F.linear(torch.cat(seen, dim=-1), matrix, bias).permute(0, 3, 1, 2)
+    places = hidden.permute(0, 2, 3, 1)
+    seen = [places[:, row : row + 4, column : column + 4] for row in (0, 2) for column in (0, 2)]
+    patches = torch.stack(seen, dim=1).flatten(2).unflatten(1, (2, 2))
+    return F.linear(patches, matrix, bias).permute(0, 3, 1, 2)
 
 
 def blocked_deconvolution(weight: Tensor) -> Tensor:
@@ -114,10 +114,10 @@ def blocked_deconvolution(weight: Tensor) -> Tensor:
     """
     inputs = weight.shape[0]
     taps = weight.reshape(inputs, 3, 3, 2, 3, 2).flip(2, 4).permute(1, 3, 5, 0, 2, 4)
-    kernel = weight.new_zeros(3, 2, 2, 2, 2, inputs, 4, 4)  # colour, place and phase down and across, …
+    kernel = weight.new_zeros(2, 2, 3, 2, 2, inputs, 4, 4)  # place down and across, colour, phase down, …
     for down in range(2):
         for across in range(2):
-            kernel[:, down, :, across, :, :, down : down + 3, across : across + 3] = taps
+            kernel[down, across, :, :, :, :, down : down + 3, across : across + 3] = taps
     return kernel.reshape(48, inputs, 4, 4).contiguous(memory_format=torch.channels_last)
 
 

@@ -45,8 +45,7 @@ def losses(vae: Vae, folded_bytes: Tensor, noise: Tensor, compute: Compute) -> L
     with compute.autocast():
         mean, log_variance = vae.encode_folded(inputs)
         outputs = vae.decode_blocks(mean + (0.5 * log_variance).exp() * noise)
-    wished = pictures.floats(pictures.blocks(folded_bytes))
-    error = (outputs - wished).square().sum((1, 2, 3))
+    error = (outputs - pictures.blocks(inputs)).square().flatten(1).sum(1)
     return Losses(error, kl_nats(mean, log_variance))
 
 
