@@ -1,7 +1,8 @@
 """VAE training: pictures a second against the same network computed as published, in float32, on all cores.
 
 Ours trains as many networks side by side as there are cores, as the stage does with repeats; the
-published form trains one, and each of its operations may use all cores.
+published form trains one, and each of its operations may use all cores. Small tables show what bounds
+both on a CPU.
 """
 
 from __future__ import annotations
@@ -16,9 +17,10 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from benchmarks import vae_profile
 from benchmarks.rows import AT_MOST, Row, goal_row
 from pipeline.contract.machine import cores
-from pipeline.learning.device import compute
+from pipeline.learning.device import Compute, compute
 from pipeline.learning.training import seeded
 from pipeline.sim.camera import Viewpoint
 from pipeline.sim.draws import draw_episodes
@@ -68,7 +70,7 @@ def rendered(count: int) -> np.ndarray:
     return images.render(worlds.qpos, worlds.target).copy()
 
 
-Step = Callable[[], None]
+Step = Callable[[], object]
 
 
 def ours(images: np.ndarray, seed: int) -> tuple[Vae, Step]:
@@ -118,10 +120,13 @@ def published_loss(vae: Vae, pictures_uint8: Tensor, noise: Tensor) -> Tensor:
 
 
 def measure() -> list[Row]:
-    """Speed, both in turns, as the median of the rounds' ratios; then the losses after the same steps."""
+    """Speed, both in turns, as the median of the ratios; losses after the same steps; what bounds both."""
     images, n = rendered(PICTURES), cores()
     many, one = [ours(images, seed)[1] for seed in range(n)], peer(images, 1)[1]
     with ThreadPoolExecutor(n, initializer=torch.set_num_threads, initargs=(1,)) as pool:
+
+        def side_by_side(steps: Sequence[Step]) -> float:
+            return _seconds(lambda: list(pool.map(lambda step: step(), steps)))
 
         def trained(steps: Sequence[Step]) -> None:
             list(pool.map(lambda step: [step() for _ in range(STEPS)], steps))
@@ -136,12 +141,30 @@ def measure() -> list[Row]:
             (n * STEPS * BATCH / _seconds(lambda: trained(many)), STEPS * BATCH / _seconds(as_published))
             for _ in range(ROUNDS + 1)
         ][1:]
+        rates = [statistics.median(column) for column in zip(*rounds, strict=True)]
+        bounds = bound_tables((many[0], one), rates, side_by_side) if compute().device.type == "cpu" else []
     ratio = statistics.median(a / b for a, b in rounds)
-    rates = [statistics.median(column) for column in zip(*rounds, strict=True)]
     return [
         goal_row("VAE training", SCENE, rates[0], rates[1], "pictures/s", ratio, GOAL),
         same_loss(images),
+        *bounds,
     ]
+
+
+def bound_tables(
+    steps: Sequence[Step], rates: Sequence[float], side_by_side: Callable[[Sequence[Step]], float]
+) -> list[Row]:
+    """The rows of :mod:`benchmarks.vae_profile`, of the published form and of ours."""
+    mine, theirs = compute(), Compute(compute().device, torch.float32)
+    needed = vae_profile.operations_a_picture(steps[1], BATCH) / 1e6
+    forms = (("published", theirs, steps[1], rates[1]), ("ours", mine, steps[0], rates[0]))
+    bounds = [
+        vae_profile.bound_row(
+            form, place, needed, vae_profile.product_rate(place, side_by_side, cores()), rate
+        )
+        for form, place, _, rate in forms
+    ]
+    return bounds + [vae_profile.split_row(form, step, BATCH) for form, _, step, _ in forms]
 
 
 def same_loss(images: np.ndarray) -> Row:
@@ -168,7 +191,7 @@ def loss_after(steps: int, vae: Vae, step: Step, images: np.ndarray) -> float:
         )
 
 
-def _seconds(work: Callable[[], None]) -> float:
+def _seconds(work: Step) -> float:
     begin_s = time.perf_counter()
     work()
     if torch.cuda.is_available():
