@@ -52,22 +52,30 @@ class Schedule:
             BelvedereError: a job failed. None was begun after it; those at work were let finish.
             KeyboardInterrupt: the user wanted it to end, and all processes were ended.
         """
-        waiting, failed = list(jobs), list[_Process]()
         with Interrupts() as interrupts:
-            while True:
-                while not failed and not interrupts.count and (job := self._next(waiting)):
-                    waiting.remove(job)
-                    self._start(job)
-                if not self._running:
-                    break
-                ended = self._wait(interrupts)
-                if not interrupts.count:
-                    failed += [process for process in ended if not self._succeeded(process, len(jobs))]
+            try:
+                failed = self._run(jobs, interrupts)
+            except BaseException:  # such as a closed pipe or a full disk: nobody would watch the processes
+                self._end_all(interrupts)
+                raise
         if interrupts.count:
             print("stopped; what is done stays done", flush=True)
             raise KeyboardInterrupt
         if failed:
             raise BelvedereError("\n".join(_obituary(process) for process in failed))
+
+    def _run(self, jobs: Sequence[Job], interrupts: Interrupts) -> list[_Process]:
+        """Runs jobs until none is left, one fails or the user interrupts; returns the failed ones."""
+        waiting, failed = list(jobs), list[_Process]()
+        while True:
+            while not failed and not interrupts.count and (job := self._next(waiting)):
+                waiting.remove(job)
+                self._start(job)
+            if not self._running:
+                return failed
+            ended = self._wait(interrupts)
+            if not interrupts.count:
+                failed += [process for process in ended if not self._succeeded(process, len(jobs))]
 
     def _next(self, waiting: Sequence[Job]) -> Job | None:
         if len(self._running) >= self.slots:

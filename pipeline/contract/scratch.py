@@ -8,10 +8,12 @@ It can be deleted at any time; only time is lost.
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -72,3 +74,20 @@ def folder(stage: str, repeat: int, **decides: Any) -> Path:
             f"set {ENVIRONMENT_VARIABLE} to a folder that is."
         ) from None
     return path
+
+
+@contextmanager
+def alone_in(folders: Iterable[Path]) -> Iterator[None]:
+    """Within it no other process is in any of these folders of the store; waits for its turn.
+
+    Branches with the same viewpoint have the same keys, and ``./run --jobs`` makes them side by side.
+    """
+    with ExitStack() as stack:
+        for place in sorted(folders):  # all take them in one order, so none waits for one that waits for it
+            lock = stack.enter_context((place / ".lock").open("w"))
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                print(f"waiting for another process, which makes {place}")
+                fcntl.flock(lock, fcntl.LOCK_EX)
+        yield

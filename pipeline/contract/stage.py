@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import argparse
 import ctypes
+import gc
 import inspect
 import os
 import signal
 import sys
 import threading
 import time
+import traceback
 import typing
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -24,7 +26,7 @@ from pipeline.contract.artefacts import write_json
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import cores, processor
 
-REPEAT = "repeat"  # what the names of threads in which repeats are made begin with
+WORKER = "worker"  # what the names of threads begin with for which an ending process must not wait
 _PR_SET_PDEATHSIG = 1
 
 
@@ -36,6 +38,7 @@ def entry(main: Callable[..., None], argv: Sequence[str] | None = None) -> None:
     """
     die_with_parent()
     _line_buffer()
+    gc.freeze()  # libraries' objects live to the end: to walk through them takes 2 s at exit alone
     begun = time.monotonic()
     try:
         main(**vars(parser(main).parse_args(argv)))
@@ -45,14 +48,23 @@ def entry(main: Callable[..., None], argv: Sequence[str] | None = None) -> None:
         _leave(1)
     except KeyboardInterrupt:
         _leave(130)
+    except Exception:
+        if not _others_work():
+            raise
+        traceback.print_exc()
+        _leave(1)
 
 
 def _leave(status: int) -> NoReturn:
-    """Ends the process, at once if repeats are at work: an ordinary exit would wait for their threads."""
-    if any(thread.name.startswith(REPEAT) for thread in threading.enumerate()):
+    """Ends the process, at once if others are at work: an ordinary exit would wait for their threads."""
+    if _others_work():
         sys.stdout.flush()
         os._exit(status)
     raise SystemExit(status) from None
+
+
+def _others_work() -> bool:
+    return any(thread.name.startswith(WORKER) for thread in threading.enumerate())
 
 
 def parser(main: Callable[..., None]) -> argparse.ArgumentParser:

@@ -36,7 +36,9 @@ class BlindSearch:
         while searches:
             generations += self._sizes.generations
             what = f"blind {self._scene.name}, {len(searches)} of {len(guesses)} guesses"
-            runs = [Run(search, running / str(i), f"{what}: {i + 1}") for i, search in searches.items()]
+            # a folder a round, so that after a kill the rounds before are found as they ended
+            here = running / str(generations)
+            runs = [Run(search, here / str(i), f"{what}: {i + 1}") for i, search in searches.items()]
             searches = dict(zip(searches, evolve(runs, self._judge, generations, what), strict=True))
             ends = []
             for index, search in searches.items():

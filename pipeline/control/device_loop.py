@@ -17,6 +17,7 @@ import torch
 import warp as wp
 from torch import Tensor
 
+from pipeline.contract.errors import BelvedereError
 from pipeline.control.jobs import Job, Networks
 from pipeline.control.loop import Trace
 from pipeline.control.policy import Controllers
@@ -42,6 +43,7 @@ class DeviceLoop:
         self, scene: Scene, view: Viewpoint, networks: Sequence[Networks], device: torch.device
     ) -> None:
         start_ray_tracer()
+        _refuse_unfit(device)
         self.scene, self._view = scene, view
         self._device = wp.device_from_torch(str(device))
         self._networks = [Networks(n.encoder, copy.deepcopy(n.rnn).to(device)) for n in networks]
@@ -131,6 +133,20 @@ class _History:
             for rows in (self._qpos, self._tip_m, self._action, self._reward)
         )
         return Trace(qpos, tip_m.astype(np.float64), action, reward.astype(np.float64))
+
+
+def _refuse_unfit(device: torch.device) -> None:
+    """Warp needs more of a CUDA device than torch does."""
+    if device.type != "cuda":
+        return
+    lacks = "is not found" if not wp.is_cuda_available() else ""
+    if not lacks and not wp.is_mempool_supported(str(device)):
+        lacks = "has no memory pools"
+    if lacks:
+        raise BelvedereError(
+            f"torch can use {device}, but for Warp it {lacks}, so worlds cannot be simulated there; update "
+            "NVIDIA's driver, or set BELVEDERE_DEVICE=cpu."
+        )
 
 
 def _rows(like: Tensor, times: int) -> Tensor:

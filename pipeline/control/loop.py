@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 import torch
 
+from pipeline.contract.stage import WORKER
 from pipeline.control.policy import Controllers
 from pipeline.sim.camera import Viewpoint
 from pipeline.sim.draws import Episodes
@@ -92,7 +93,7 @@ class Workers:
         self.scene = scene
         self._free = [_Worker(scene, view) for _ in range(threads)]
         # each thread has an OpenMP pool of its own: one thread each, or they fight for the cores
-        self._pool = ThreadPoolExecutor(threads, initializer=torch.set_num_threads, initargs=(1,))
+        self._pool = ThreadPoolExecutor(threads, WORKER, initializer=torch.set_num_threads, initargs=(1,))
 
     def start(self, shard: Callable[[_Worker], Trace]) -> Future[Trace]:
         """Has a shard run by the next worker that is free."""

@@ -28,17 +28,27 @@ class Compute:
     device: torch.device
     dtype: torch.dtype
 
-    def autocast(self) -> AbstractContextManager[object]:
-        """The context in which a network's forward pass runs."""
-        return torch.autocast(self.device.type, self.dtype, enabled=self.dtype != torch.float32)
+    def autocast(self, recurrent: bool = False) -> AbstractContextManager[object]:
+        """The context in which a network's forward pass runs.
+
+        A ``recurrent`` network stays in float32 on CUDA: under autocast cuDNN's LSTM takes float16 whatever
+        is asked for, in which its gradients are too small to be told from zero.
+        """
+        wanted = self.dtype != torch.float32 and not (recurrent and self.device.type == "cuda")
+        return torch.autocast(self.device.type, self.dtype, enabled=wanted)
 
     def facts(self) -> dict[str, object]:
         """What decides the last bits of a result, for keys and provenance."""
-        return {
+        facts: dict[str, object] = {
             "device": self.device.type,
             "dtype": str(self.dtype).removeprefix("torch."),
             "torch": torch.__version__,
         }
+        if self.device.type == "cuda":
+            facts["gpu"] = (
+                f"{torch.cuda.get_device_name(self.device)}, cuDNN {torch.backends.cudnn.version()}"
+            )
+        return facts
 
 
 def compute() -> Compute:
@@ -57,6 +67,7 @@ def compute() -> Compute:
     name = _choice(DTYPE_VARIABLE, ("auto", "float32", "bfloat16"))
     dtype = _fast_dtype(device) if name == "auto" else getattr(torch, name)
     torch.set_num_threads(1)
+    torch.backends.cudnn.allow_tf32 = False  # float32 is float32: TF32 keeps 10 bits of 23
     _keep_memory()
     return Compute(device, dtype)
 

@@ -6,16 +6,16 @@ import hashlib
 import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import FIRST_EXCEPTION, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pipeline.contract import scratch
 from pipeline.contract.artefacts import read_json, write_json, writing
 from pipeline.contract.machine import CORES_VARIABLE, cores
-from pipeline.contract.stage import REPEAT, die_with_parent
+from pipeline.contract.stage import WORKER, die_with_parent
 
 Result = TypeVar("Result")
 
@@ -43,11 +43,20 @@ def side_by_side(make: Callable[[int], Result], repeats: int) -> list[Result]:
     Networks this small gain little from a second thread and repeats need nothing of each other; torch
     releases the interpreter's lock in its operations.
     """
-    pool = ThreadPoolExecutor(min(repeats, cores()), REPEAT)
+    pool = ThreadPoolExecutor(min(repeats, cores()), WORKER)
     try:
-        return list(pool.map(make, range(repeats)))
+        return _results([pool.submit(make, repeat) for repeat in range(repeats)])
     finally:  # after a failure or Ctrl-C nobody waits for the others
         pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _results(futures: Sequence[Future[Result]]) -> list[Result]:
+    """The futures' results, or what the first to fail raises, as soon as it does."""
+    ended = wait(futures, return_when=FIRST_EXCEPTION).done
+    for future in futures:
+        if future in ended:
+            future.result()
+    return [future.result() for future in futures]
 
 
 def in_processes(make: Callable[[int], Result], repeats: int) -> list[Result]:
@@ -60,7 +69,12 @@ def in_processes(make: Callable[[int], Result], repeats: int) -> list[Result]:
         return [make(repeat) for repeat in range(repeats)]
     share = max(1, cores() // workers)
     with ProcessPoolExecutor(workers, get_context("spawn"), _begin_process, (share,)) as pool:
-        return list(pool.map(make, range(repeats)))
+        try:
+            return _results([pool.submit(make, repeat) for repeat in range(repeats)])
+        except BaseException:
+            for process in active_children():  # or the pool would wait for them
+                process.terminate()
+            raise
 
 
 def _begin_process(share: int) -> None:
@@ -112,6 +126,12 @@ def finished_together(
         A folder for each repeat, complete, which must not be changed.
     """
     homes = {repeat: scratch.folder(stage, repeat, **facts) for repeat, facts in decides.items()}
+    with scratch.alone_in(homes.values()):
+        _make_missing(homes, make)
+    return [home / "results" for home in homes.values()]
+
+
+def _make_missing(homes: Mapping[int, Path], make: Callable[[Mapping[int, Place]], None]) -> None:
     missing = {repeat: home for repeat, home in homes.items() if not (home / "results").is_dir()}
     places = {
         r: Place(home / f".results.{os.getpid()}.part", home / "running") for r, home in missing.items()
@@ -126,7 +146,6 @@ def finished_together(
         place.results.replace(homes[repeat] / "results")
     for home in homes.values():
         shutil.rmtree(home / "running", ignore_errors=True)
-    return [home / "results" for home in homes.values()]
 
 
 def publish(

@@ -14,9 +14,9 @@ from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.params import Section
 
-# Threads, machine and Python leave results alone (batches are bit-identical at any thread count);
+# Threads, processor and Python leave results alone (batches are bit-identical at any thread count);
 # these do not. The anchors have no network and no pictures, so only the physics has to agree.
-COMPARED = ("device", "dtype", "torch", "mujoco", "mujoco_warp")
+COMPARED = ("device", "gpu", "dtype", "torch", "mujoco", "mujoco_warp")
 COMPARED_WITH_ANCHORS = ("mujoco",)
 CHOSEN = ("device", "dtype")  # by the environment variables of these names
 ANCHORS = ("no_op", "blind", "expert")
@@ -168,11 +168,7 @@ def _check_made_alike(scene: str, made_with: Mapping[str, Mapping[str, Any]], na
     for key, there in others:
         for name in names:
             if there.get(name) != here.get(name):
-                by = (
-                    f"`BELVEDERE_{name.upper()}={here.get(name)} dvc repro`"
-                    if name in CHOSEN
-                    else "`dvc repro`"
-                )
+                by = f"BELVEDERE_{name.upper()}={here.get(name)} " if name in CHOSEN else ""
                 raise BelvedereError(
                     f"scene {scene} was made differently: {name} is {there.get(name)!r} for {key} but "
                     f"{here.get(name)!r} for {first}; rerun one of them as the other was made "

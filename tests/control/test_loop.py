@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import torch
 from torch import nn
 
-from pipeline.control.loop import SHARD, Loop
+from pipeline.contract.stage import WORKER
+from pipeline.control.loop import SHARD, Loop, Workers
 from pipeline.control.policy import Controllers, parameters
 from pipeline.sim.camera import viewpoint
 from pipeline.sim.draws import draw_episodes
@@ -55,3 +58,10 @@ def test_it_does_what_one_world_in_a_plain_loop_does(
             h, c = cell(torch.cat([z, action[None]], dim=1), (h, c))
     np.testing.assert_allclose(trace.tip_m[1, -1], worlds.tip[0], atol=1e-4)
     np.testing.assert_allclose(trace.returns[1], total, atol=1e-4)
+
+
+def test_an_ending_process_does_not_wait_for_shards(scene: Scene) -> None:
+    names: list[str] = []
+    workers = Workers(scene, viewpoint(scene.name, 0, 0), threads=1)
+    workers.start(lambda worker: names.append(threading.current_thread().name)).result()  # type: ignore[arg-type, return-value]
+    assert names[0].startswith(WORKER)

@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.learning.device import compute
+from pipeline.learning.device import Compute, compute
 
 
 @pytest.mark.parametrize(
@@ -36,7 +36,21 @@ def test_the_choice_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
     place = compute()
     try:
         assert (place.device.type, place.dtype, torch.get_num_threads()) == ("cpu", torch.bfloat16, 1)
+        assert not torch.backends.cudnn.allow_tf32
         with place.autocast():
             assert (torch.ones(2, 2) @ torch.ones(2, 2)).dtype == torch.bfloat16
     finally:
         torch.set_num_threads(before)
+
+
+@pytest.mark.parametrize(
+    ("device", "recurrent", "enabled"),
+    [("cpu", False, True), ("cpu", True, True), ("cuda", False, True), ("cuda", True, False)],
+)
+def test_a_recurrent_network_on_cuda_stays_in_float32(
+    monkeypatch: pytest.MonkeyPatch, device: str, recurrent: bool, enabled: bool
+) -> None:
+    asked: list[tuple[object, ...]] = []
+    monkeypatch.setattr(torch, "autocast", lambda *given, enabled: asked.append((*given, enabled)))
+    Compute(torch.device(device), torch.bfloat16).autocast(recurrent)
+    assert asked == [(device, torch.bfloat16, enabled)]

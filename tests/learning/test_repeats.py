@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import textwrap
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -82,40 +83,81 @@ def test_metrics_hold_the_means_over_repeats() -> None:
 
 
 SLOW_AND = """
-import sys, threading, time
+import pathlib, sys, time
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.stage import entry
-from pipeline.learning.repeats import side_by_side
+from pipeline.learning.repeats import in_processes, side_by_side
 
-begun = threading.Event()
+what, how, failing = sys.argv[1:4]
+begun = pathlib.Path(sys.argv[4])
 
 def make(repeat):
-    if repeat == 0:
-        begun.wait()
-        if sys.argv[1] == "fails":
-            raise BelvedereError("repeat 0 cannot be made")
+    if repeat == int(failing):
+        while not begun.exists():
+            time.sleep(0.02)
+        if what == "fails":
+            raise BelvedereError(f"repeat {repeat} cannot be made")
+        if what == "breaks":
+            raise RuntimeError("out of memory")
     print("at work", flush=True)
-    begun.set()
+    begun.touch()
     time.sleep(60)
 
-entry(lambda: side_by_side(make, 2), [])
+if __name__ == "__main__":
+    entry(lambda: {"threads": side_by_side, "processes": in_processes}[how](make, 2), [])
 """
 
 
+ENDINGS = {
+    "fails": (1, "repeat {} cannot be made"),
+    "breaks": (1, "out of memory"),
+    "is interrupted": (130, ""),
+}
+
+
 @pytest.mark.usefixtures("heeded_signals")
-@pytest.mark.parametrize(("what", "status"), [("fails", 1), ("is interrupted", 130)])
-def test_nobody_waits_for_the_other_repeats(what: str, status: int) -> None:
+@pytest.mark.parametrize("failing", ["0", "1"])
+@pytest.mark.parametrize("how", ["threads", "processes"])
+@pytest.mark.parametrize("what", ENDINGS)
+def test_nobody_waits_for_the_other_repeats(what: str, how: str, failing: str, tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(SLOW_AND, encoding="utf-8")
     process = subprocess.Popen(
-        [sys.executable, "-c", SLOW_AND, what],
+        [sys.executable, str(script), what, how, failing, str(tmp_path / "begun")],
         cwd=ROOT,
-        env=os.environ | {"BELVEDERE_CORES": "2"},
+        env=os.environ | {"BELVEDERE_CORES": "2", "PYTHONPATH": str(ROOT)},
         text=True,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
+        start_new_session=True,
     )
     assert process.stdout is not None and process.stdout.readline() == "at work\n"
-    if status == 130:
-        process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=30)
+    if what == "is interrupted":
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    _, said = process.communicate(timeout=30)  # which also waits for processes that hold the pipes
+    status, words = ENDINGS[what]
     assert process.returncode == status
-    assert said == ("error: repeat 0 cannot be made\n" if status == 1 else "")
+    assert words.format(failing) in said
+
+
+def test_two_processes_that_want_the_same_repeat_make_it_once(tmp_path: Path) -> None:
+    script = textwrap.dedent("""
+        import pathlib, sys, time
+        from pipeline.learning.repeats import finished
+
+        def make(results, running):
+            with open(sys.argv[1], "a") as made:
+                made.write("made\\n")
+            time.sleep(1)
+            (running / "checkpoint").write_text("")
+            (results / "weights.pt").write_text("weights")
+
+        print((finished("vae", 0, make, inputs="a") / "weights.pt").read_text())
+    """)
+    command = [sys.executable, "-c", script, str(tmp_path / "made")]
+    both = [subprocess.Popen(command, cwd=ROOT, text=True, stdout=subprocess.PIPE) for _ in range(2)]
+    said = [process.communicate(timeout=60)[0] for process in both]
+    assert [process.returncode for process in both] == [0, 0]
+    assert all(text.endswith("weights\n") for text in said)
+    assert sum("waiting for another process" in text for text in said) == 1
+    assert (tmp_path / "made").read_text() == "made\n"

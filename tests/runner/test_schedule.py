@@ -129,6 +129,22 @@ def test_an_interrupt_ends_all_that_was_started(
     assert signal.getsignal(number) == before
 
 
+def test_nothing_is_left_running_where_it_cannot_go_on(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A closed pipe, as of `./run --jobs 2 | head`, a full disk."""
+
+    def closed(*words: object, **named: object) -> None:
+        if "long-2" in str(words):
+            while not pids(place, 2):
+                time.sleep(0.02)
+            raise BrokenPipeError
+
+    monkeypatch.setattr("builtins.print", closed)
+    with pytest.raises(BrokenPipeError):
+        made(place, 2).run([job("long-1"), job("long-2")])
+    assert len(started := pids(place, 2)) == 4
+    assert not [pid for pid in started if alive(pid)]
+
+
 def once(condition: Callable[[], object], act: Callable[[], None]) -> None:
     """Acts in another thread as soon as the condition holds, which it has to within half a minute."""
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 import pytest
 import warp as wp
+from mujoco_warp import OverflowType
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.sim import device_worlds
@@ -13,6 +15,7 @@ from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.drives import drive
 from pipeline.sim.images import Images
 from pipeline.sim.scene import Scene
+from pipeline.sim.task import environment
 from pipeline.sim.worlds import Worlds
 from tests.sim.conftest import SCENES, VIEWS, compiled
 from tests.sim.device_cases import DEVICES
@@ -161,3 +164,53 @@ def test_a_frame_leaves_nothing_to_the_host(monkeypatch: pytest.MonkeyPatch) -> 
     for name in ("numpy", "assign", "list"):
         monkeypatch.setattr(wp.array, name, refused)
     one_by_one(worlds)
+
+
+def peaks(scene: Scene, episodes: int) -> tuple[int, int]:
+    """The most constraints and contacts of MuJoCo's in any substep of hands that lean about."""
+    rng, most = np.random.default_rng(1), [0, 0]
+    env = environment(scene, rng)
+
+    def step(nstep: int = 1) -> None:
+        model, data = env.physics.model.ptr, env.physics.data.ptr
+        for _ in range(nstep):
+            mujoco.mj_step(model, data)
+            most[:] = max(most[0], data.nefc), max(most[1], data.ncon)
+
+    env.physics.step = step
+    for _ in range(episodes):
+        env.reset()
+        for frame in range(scene.frames):
+            if frame % 8 == 0:
+                place_m = rng.uniform(*near(scene))
+            way_m = (place_m - env.physics.tip())[list(scene.axes)]
+            env.step(np.clip(way_m / scene.params.displacement_m, -1, 1))
+    return most[0], most[1]
+
+
+def near(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """The corners, m, of what to lean on: the obstacle and a little about it, or else the workspace."""
+    if not scene.params.obstacles:
+        return np.asarray(scene.params.workspace.low_m), np.asarray(scene.params.workspace.high_m)
+    box = scene.params.obstacles[0]
+    half = 1.5 * np.asarray(box.half_size_m)
+    return np.asarray(box.center_m) - half, np.asarray(box.center_m) + half
+
+
+@pytest.mark.parametrize("name", ["panda_2dof_obstacle", "fetch_reach"])
+def test_there_is_twice_the_room_that_leaning_about_needs(name: str) -> None:
+    constraints, contacts = peaks(compiled(name), episodes=30)
+    assert constraints > 40 and contacts > 4  # it did lean
+    assert 2 * constraints <= device_worlds._CONSTRAINTS
+    assert 2 * contacts <= device_worlds._CONTACTS
+
+
+def test_a_solver_cut_off_is_no_lack_of_room() -> None:
+    scene = compiled("panda_2dof")
+    worlds = DeviceWorlds(scene, view(scene), COUNT, "cpu")
+    worlds.reset(drawn(scene, 1)[0])
+    worlds._data.overflow.fill_(int(OverflowType.ITERATIONS | OverflowType.LS_ITERATIONS))
+    worlds.check()
+    worlds._data.overflow.fill_(int(OverflowType.NEFC))
+    with pytest.raises(BelvedereError, match="too much touches"):
+        worlds.check()

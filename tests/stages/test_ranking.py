@@ -142,13 +142,23 @@ def test_branches_made_differently_are_refused_unless_allowed(
     written: Written, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     written.edit("branches/study/evaluation.json", lambda content: content["made_with"].update({name: "new"}))
-    with pytest.raises(BelvedereError, match=rf"made differently: {name} is 'new' for study.*BELVEDERE_MIX"):
+    with pytest.raises(
+        BelvedereError, match=rf"made differently: {name} is 'new' for study.*BELVEDERE_MIX"
+    ) as refused:
         written.rank()
+    choice = f"BELVEDERE_{name.upper()}={MADE_WITH[name]} " if name in ("device", "dtype") else ""
+    assert f"(`{choice}dvc repro`)" in str(refused.value)
     assert not Path("out").exists()
     monkeypatch.setenv(ranking.MIX_VARIABLE, "allow")
     assert written.rank()["made_with"][name] == f"{MADE_WITH[name]} | new"
     monkeypatch.setenv(ranking.MIX_VARIABLE, "yes")
     with pytest.raises(BelvedereError, match="'yes' is unknown; available: allow"):
+        written.rank()
+
+
+def test_unlike_gpus_are_refused(written: Written) -> None:
+    written.edit("branches/study/evaluation.json", lambda content: content["made_with"].update(gpu="H100"))
+    with pytest.raises(BelvedereError, match="gpu is 'H100' for study but None for reach-a"):
         written.rank()
 
 
