@@ -20,6 +20,7 @@ from pipeline.contract.stage import WORKER, die_with_parent
 Result = TypeVar("Result")
 
 PACKAGE = Path(__file__).resolve().parents[1]
+_LOOK_EVERY_S = 0.5
 
 
 def code_digest(*parts: str) -> str:
@@ -52,9 +53,10 @@ def side_by_side(make: Callable[[int], Result], repeats: int) -> list[Result]:
 
 def _results(futures: Sequence[Future[Result]]) -> list[Result]:
     """The futures' results, or what the first to fail raises, as soon as it does."""
-    ended = wait(futures, return_when=FIRST_EXCEPTION).done
-    for future in futures:
-        if future in ended:
+    pending = set(futures)
+    while pending:  # in short waits, as a Ctrl-C that comes just before one begins would not end it
+        done, pending = wait(pending, _LOOK_EVERY_S, FIRST_EXCEPTION)
+        for future in done:
             future.result()
     return [future.result() for future in futures]
 
