@@ -17,9 +17,9 @@ from pipeline.control.policy import Controllers
 from pipeline.sim.draws import draw_episodes
 
 GOALS = {STRIPPED: 6.0, AS_IT_COMES: 30.0}
-EACH = {STRIPPED: 4, AS_IT_COMES: 1}  # episodes that a process runs in a round
+EACH = {STRIPPED: 8, AS_IT_COMES: 1}  # episodes that a process runs in a round
 FRAMES = 25  # of a peer's episode; a reset takes less than a percent of them
-ROUNDS = 3
+ROUNDS = 7
 
 
 def measure() -> list[Row]:
