@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import statistics
-import time
-from collections.abc import Callable
 
 import numpy as np
 import torch
 from stable_baselines3 import DQN
 
+from benchmarks import timing
 from benchmarks.rows import Row, goal_row
 from pipeline.contract import params
 from pipeline.contract.machine import cores
@@ -40,20 +39,14 @@ def measure() -> list[Row]:
     pictures = torch.randint(256, (method.batch, 3, 64, 64), device=place.device) / 255.0
     seconds: dict[str, list[float]] = {"learn": [], "act": [], "train": [], "network": []}
     for _ in range(ROUNDS):
-        seconds["learn"].append(_seconds(lambda: model.learn(frames)))
-        seconds["act"].append(_seconds(lambda: _act(model, env)))
-        seconds["train"].append(_seconds(lambda: model.train(STEPS, method.batch)))
-        seconds["network"].append(_seconds(lambda: _network_alone(model, pictures)))
+        seconds["learn"].append(timing.seconds(lambda: model.learn(frames)))
+        seconds["act"].append(timing.seconds(lambda: _act(model, env)))
+        seconds["train"].append(timing.seconds(lambda: model.train(STEPS, method.batch)))
+        seconds["network"].append(timing.seconds(lambda: _network_alone(model, pictures)))
     return [
         _row("DQN training, against acting alone", "frames/s", frames, seconds["learn"], seconds["act"]),
         _row("DQN steps, against the bare network", "steps/s", STEPS, seconds["train"], seconds["network"]),
     ]
-
-
-def _seconds(work: Callable[[], object]) -> float:
-    begin = time.perf_counter()
-    work()
-    return time.perf_counter() - begin
 
 
 def _act(model: DQN, env: ReachEnv) -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import statistics
-import time
 from collections.abc import Callable
 
 import numpy as np
 
+from benchmarks import timing
 from benchmarks.loops import VIEWS, WORLDS, candidates, setting
 from benchmarks.plain_loop import AS_IT_COMES, STRIPPED
 from benchmarks.plain_processes import Crew
@@ -47,15 +47,9 @@ def measure_scene(name: str) -> list[Row]:
     rates: dict[str, list[float]] = {kind: [] for kind in work}
     for _ in range(ROUNDS):
         for kind, run in work.items():
-            rates[kind].append(frames[kind] / _seconds(run))
+            rates[kind].append(frames[kind] / timing.seconds(run))
     crew.close()
     return [_row(name, kind, rates["ours"], rates[kind]) for kind in GOALS]
-
-
-def _seconds(work: Callable[[], object]) -> float:
-    begin = time.perf_counter()
-    work()
-    return time.perf_counter() - begin
 
 
 def _row(scene: str, kind: str, ours: list[float], peer: list[float]) -> Row:

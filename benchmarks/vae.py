@@ -8,7 +8,6 @@ both on a CPU.
 from __future__ import annotations
 
 import statistics
-import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
@@ -17,8 +16,9 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from benchmarks import vae_profile
+from benchmarks import timing, vae_profile
 from benchmarks.rows import AT_MOST, Row, goal_row
+from benchmarks.vae_profile import Step
 from pipeline.contract.machine import cores
 from pipeline.learning.device import Compute, compute
 from pipeline.learning.training import seeded
@@ -68,9 +68,6 @@ def rendered(count: int) -> np.ndarray:
     worlds.reset(draw_episodes(scene, count, np.random.default_rng(1)))
     images = Images(scene, Viewpoint(scene=SCENE, theta=THETA_DEG, phi=PHI_DEG), count)
     return images.render(worlds.qpos, worlds.target).copy()
-
-
-Step = Callable[[], object]
 
 
 def ours(images: np.ndarray, seed: int) -> tuple[Vae, Step]:
@@ -126,19 +123,16 @@ def measure() -> list[Row]:
     with ThreadPoolExecutor(n, initializer=torch.set_num_threads, initargs=(1,)) as pool:
 
         def side_by_side(steps: Sequence[Step]) -> float:
-            return _seconds(lambda: list(pool.map(lambda step: step(), steps)))
-
-        def trained(steps: Sequence[Step]) -> None:
-            list(pool.map(lambda step: [step() for _ in range(STEPS)], steps))
+            return timing.seconds(lambda: list(pool.map(lambda step: step(), steps)))
 
         def as_published() -> None:
             torch.set_num_threads(n)
-            for _ in range(STEPS):
-                one()
+            several(one)()
             torch.set_num_threads(1)
 
+        trainings = [several(step) for step in many]
         rounds = [
-            (n * STEPS * BATCH / _seconds(lambda: trained(many)), STEPS * BATCH / _seconds(as_published))
+            (n * STEPS * BATCH / side_by_side(trainings), STEPS * BATCH / timing.seconds(as_published))
             for _ in range(ROUNDS + 1)
         ][1:]
         rates = [statistics.median(column) for column in zip(*rounds, strict=True)]
@@ -149,6 +143,11 @@ def measure() -> list[Row]:
         same_loss(images),
         *bounds,
     ]
+
+
+def several(step: Step) -> Step:
+    """As many steps as a round has."""
+    return lambda: [step() for _ in range(STEPS)]
 
 
 def bound_tables(
@@ -189,11 +188,3 @@ def loss_after(steps: int, vae: Vae, step: Step, images: np.ndarray) -> float:
         return float(
             published_loss(published(vae), data, torch.randn(len(data), LATENTS, generator=seeded(9)))
         )
-
-
-def _seconds(work: Step) -> float:
-    begin_s = time.perf_counter()
-    work()
-    if torch.cuda.is_available():
-        torch.cuda.synchronize()
-    return time.perf_counter() - begin_s

@@ -23,7 +23,6 @@ ADAM, REST = "Adam", "rest"
 # What each operation of torch counts towards; the first word found in its name decides.
 PARTS = {
     "convolution": "convolution",
-    "addmm": "matrix product",
     "mm": "matrix product",
     "linear": "matrix product",
     "copy_": "copy and cast",
