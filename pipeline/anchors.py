@@ -11,13 +11,13 @@ import polars as pl
 from pipeline.contract import params, seeds
 from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.machine import cores
+from pipeline.contract.repeats import code_digest, finished
 from pipeline.contract.seeds import Stream
 from pipeline.contract.stage import entry
 from pipeline.control.anchors import Policy, blind, expert, nothing, play
 from pipeline.control.blind import BlindSearch
 from pipeline.control.outcomes import evaluation_episodes, made_with, means, outcomes
 from pipeline.control.params import BlindParams, EvaluationSizes, SearchSizes
-from pipeline.learning.repeats import code_digest, finished
 from pipeline.sim.scene import Scene, load_scene
 from pipeline.sim.worlds import Worlds
 
@@ -29,7 +29,7 @@ def main(*, scene: str, out: Path, metrics: Path) -> None:
     """Writes each anchor's episodes, and its mean returns on every repeat's evaluation episodes."""
     compiled = load_scene(scene)
     policies = {"no_op": nothing, "blind": blind(best_blind(compiled)), "expert": expert(compiled)}
-    table = pl.concat([judge(compiled, repeat, policies) for repeat in range(params.repeats())])
+    table = pl.concat([judge(compiled, repeat, policies) for repeat in range(params.first_repeats())])
     with writing(out) as aside:
         table.write_parquet(aside)
     write_json(metrics, {"scene": scene, **means(table, _levels), "made_with": made_with(COMPUTE)})

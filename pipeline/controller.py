@@ -11,6 +11,7 @@ import polars as pl
 from pipeline.contract import params, scratch, zarrs
 from pipeline.contract.artefacts import writing
 from pipeline.contract.machine import cores
+from pipeline.contract.repeats import Place, code_digest, finished_together
 from pipeline.contract.stage import entry
 from pipeline.control.first import Experience
 from pipeline.control.jobs import Networks
@@ -19,7 +20,6 @@ from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.control.policy import save_controller
 from pipeline.control.search import Repeat, search_controllers
 from pipeline.learning.device import Compute, compute
-from pipeline.learning.repeats import Place, code_digest, finished_together
 from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.scene import Scene, load_scene
 
@@ -33,7 +33,7 @@ def main(
     """Writes ``out/repeat_{r}.npz`` and the curves of all repeats."""
     compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
     store = zarrs.Store(latents, zarrs.LATENTS, "latents")
-    models = [(vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt") for r in range(params.repeats())]
+    models = [(vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt") for r in range(store.repeats)]
     results = evolve_repeats(compiled, view, place, store, models)
     with writing(out) as folder:
         folder.mkdir()
@@ -50,12 +50,12 @@ def evolve_repeats(
 ) -> list[Path]:
     """The scratch folders of the repeats' finished ``controller.npz`` and ``curve.parquet``."""
     method = params.section(ControllerParams, "controller")
-    sizes, seed = params.budget_section(SearchSizes, "controller"), params.seed()
-    arrays = [{name: latents.repeat(name, r) for name in READ} for r in range(len(models))]
+    sizes, seed = params.budget_section(SearchSizes, "controller", scene.name), params.seed()
 
     def make(places: Mapping[int, Place]) -> None:
         networks = {r: Networks.load(*models[r], place) for r in places}
-        repeats = [Repeat(r, Experience.of(**arrays[r]), networks[r].rnn, places[r].running) for r in places]
+        seen = {r: Experience.of(**{name: latents.repeat(name, r) for name in READ}) for r in places}
+        repeats = [Repeat(r, seen[r], networks[r].rnn, place.running) for r, place in places.items()]
         loops = closed_loops(scene, view, list(networks.values()), place.device, cores())
         searches = search_controllers(loops, repeats, method, sizes, seed)
         for where, search in zip(places.values(), searches, strict=True):
@@ -66,9 +66,8 @@ def evolve_repeats(
     common: dict[str, Any] = {"code": code_digest(*CODE), "machine": place.facts(), "seed": seed}
     common |= {"method": method.model_dump(), "sizes": sizes.model_dump()}
     common |= {"scene": scene.params.model_dump(), "view": view.model_dump()}
-    files, read = map(scratch.digest_files, models), map(scratch.digest_arrays, arrays)
-    inputs = [{"inputs": one, "latents": other} for one, other in zip(files, read, strict=True)]
-    return finished_together("controller", {r: {**common, **own} for r, own in enumerate(inputs)}, make)
+    inputs = [scratch.digest_files([latents.place(r), *models[r]]) for r in range(len(models))]
+    return finished_together("controller", {r: {**common, "inputs": i} for r, i in enumerate(inputs)}, make)
 
 
 if __name__ == "__main__":

@@ -11,12 +11,13 @@ import polars as pl
 from pipeline.contract import params, seeds
 from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.machine import cores
+from pipeline.contract.repeats import code_digest, finished
 from pipeline.contract.seeds import Stream
 from pipeline.contract.stage import entry
 from pipeline.control.outcomes import evaluation_episodes, made_with, means
 from pipeline.control.params import EvaluationSizes
 from pipeline.learning.device import compute
-from pipeline.learning.repeats import code_digest, finished, in_processes
+from pipeline.learning.side_by_side import in_processes
 from pipeline.qlearning.actions import best_restricted_expert
 from pipeline.qlearning.judge import fit, memory_bytes
 from pipeline.qlearning.params import DqnParams, DqnSizes
@@ -51,7 +52,7 @@ def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metric
 
 def train_repeat(scene: Scene, view: Viewpoint, method: DqnParams, sizes: DqnSizes, repeat: int) -> Path:
     """The scratch folder of a repeat's finished ``episodes.parquet`` and ``curve.parquet``."""
-    seed, count = params.seed(), params.budget_section(EvaluationSizes, "evaluation").episodes
+    seed, count = params.seed(), params.budget_section(EvaluationSizes, "evaluation", scene.name).episodes
     place = compute()
 
     def make(results: Path, running: Path) -> None:

@@ -2,46 +2,88 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
 from PIL import Image
 
 from pipeline.contract import zarrs
+from pipeline.contract.allocation import branch_repeats
 from pipeline.contract.artefacts import writing
 from pipeline.contract.machine import cores
 from pipeline.contract.progress import Progress
+from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_store
+from pipeline.contract.scratch import digest_files
 from pipeline.contract.stage import entry
 from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.images import Gallery, Images, target_pixels_unhidden
 from pipeline.sim.scene import Scene, load_scene
 
+CODE = ("contract", "sim", "frames.py")
 _LARGE = 512  # side of the picture for people, pixels
 
 
-def main(*, scene: str, theta: float, phi: float, rollouts: Path, out: Path, picture: Path) -> None:
+def main(
+    *, branch: str, scene: str, theta: float, phi: float, rollouts: Path, out: Path, picture: Path
+) -> None:
     """Writes the frames' store (layout :data:`pipeline.contract.zarrs.FRAMES`) and two pictures of the view.
 
-    ``picture`` becomes a folder with ``view.png`` (for people) and ``view_64.png`` (64 × 64, as the
-    world model sees it).
+    ``rollouts`` is what stage rollouts says of the episodes; their store is the folder of the same name
+    beside it. ``picture`` becomes a folder with ``view.png`` (for people) and ``view_64.png`` (64 × 64, as
+    the world model sees it).
     """
     compiled, view = load_scene(scene), viewpoint(scene, theta, phi)
-    store = zarrs.Store(rollouts, zarrs.ROLLOUTS, f"rollouts@{scene}")
-    gallery = Gallery(compiled, view, cores(), segment=True)
-    episodes, frames = store.shape("reward")[1:]
-    with Progress(store.repeats * episodes * frames, f"frames {scene} ({theta:g}°, {phi:g}°)") as progress:
-        blocks = [render(compiled, view, gallery, store, r, progress) for r in range(store.repeats)]
-    arrays = {name: np.stack([block[name] for block in blocks]) for name in zarrs.FRAMES}
-    facts = {"scene": scene, "theta_deg": theta, "phi_deg": phi, "mujoco": mujoco.__version__}
-    zarrs.write(out, zarrs.FRAMES, arrays, facts)
-    _write_pictures(compiled, view, store, blocks[0]["rgb"][0, 0], picture)
+    store = zarrs.Store(rollouts.with_suffix(""), zarrs.ROLLOUTS, f"rollouts@{scene}")
+    studio = Studio(compiled, view)
+    results = [studio.repeat(store, r) for r in range(branch_repeats(branch, scene, theta, phi))]
+    publish_store(out, results)
+    studio.write_pictures(store, picture)
+
+
+class Studio:
+    """Renders repeats of a scene's episodes from one viewpoint, those that the scratch store lacks."""
+
+    def __init__(self, scene: Scene, view: Viewpoint) -> None:
+        self._scene, self._view = scene, view
+
+    @cached_property
+    def _gallery(self) -> Gallery:
+        return Gallery(self._scene, self._view, cores(), segment=True)
+
+    def repeat(self, store: zarrs.Store, repeat: int) -> Path:
+        """The scratch folder of one repeat's finished frames."""
+        view = {"scene": self._scene.name, "theta_deg": self._view.theta, "phi_deg": self._view.phi}
+        facts = {**view, "mujoco": mujoco.__version__}
+
+        def make(results: Path, running: Path) -> None:
+            episodes, frames = store.shape("reward")
+            what = f"frames {self._scene.name} ({self._view.theta:g}°, {self._view.phi:g}°), repeat {repeat}"
+            with Progress(episodes * frames, what) as progress:
+                arrays = render(self._scene, self._view, self._gallery, store, repeat, progress)
+            zarrs.write(results / REPEAT, zarrs.FRAMES, arrays, facts)
+
+        decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "facts": facts}
+        decides |= {"code": code_digest(*CODE), "scene": self._scene.params.model_dump()}
+        return finished("frames", repeat, make, **decides)
+
+    def write_pictures(self, store: zarrs.Store, out: Path) -> None:
+        """The first episode's first frame of repeat 0, large and as the world model sees it."""
+        qpos, target = store.repeat("qpos", 0)[:1, 0], store.repeat("target", 0)[:1]
+        large = Images(self._scene, self._view, 1, size=_LARGE, antialias=2).render(qpos, target)[0]
+        small = Images(self._scene, self._view, 1).render(qpos, target)[0]
+        with writing(out) as folder:
+            folder.mkdir()
+            Image.fromarray(large).save(folder / "view.png", optimize=True)
+            Image.fromarray(small).save(folder / "view_64.png")
 
 
 def render(
     scene: Scene, view: Viewpoint, gallery: Gallery, store: zarrs.Store, repeat: int, progress: Progress
 ) -> dict[str, np.ndarray]:
-    """One repeat's arrays of the frames layout, without their leading axis."""
+    """One repeat's arrays of the frames layout."""
     qpos, target = store.repeat("qpos", repeat), store.repeat("target", repeat)
     frames = qpos.shape[1]
     flat = qpos.reshape(-1, qpos.shape[-1])
@@ -50,16 +92,6 @@ def render(
     free = target_pixels_unhidden(scene, view, qpos[:, 0], target)
     same = {name: store.repeat(name, repeat) for name in ("tip", "action", "reward", "target")}
     return {"rgb": rgb, "target_pixels": pixels, "target_pixels_free": free, **same}
-
-
-def _write_pictures(scene: Scene, view: Viewpoint, store: zarrs.Store, small: np.ndarray, out: Path) -> None:
-    """The first episode's first frame of repeat 0."""
-    qpos, target = store.repeat("qpos", 0)[:1, 0], store.repeat("target", 0)[:1]
-    large = Images(scene, view, 1, size=_LARGE, antialias=2).render(qpos, target)[0]
-    with writing(out) as folder:
-        folder.mkdir()
-        Image.fromarray(large).save(folder / "view.png", optimize=True)
-        Image.fromarray(small).save(folder / "view_64.png")
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ _STATES = 512  # of the first repeat's random episodes, evenly picked
 def main(*, scene: str, theta: float, phi: float, rollouts: Path, out: Path) -> None:
     """Writes the viewpoint's numbers: means over states of the scene's random episodes."""
     compiled, view = load_scene(scene), viewpoint(scene, theta, phi)
-    store = zarrs.Store(rollouts, zarrs.ROLLOUTS, f"rollouts@{scene}")
+    store = zarrs.Store(rollouts.with_suffix(""), zarrs.ROLLOUTS, f"rollouts@{scene}")
     qpos, tip = store.repeat("qpos", 0), store.repeat("tip", 0)
     target = np.repeat(store.repeat("target", 0)[:, None], tip.shape[1], axis=1)
     picked = np.unique(np.linspace(0, tip.shape[0] * tip.shape[1] - 1, _STATES).astype(int))

@@ -3,31 +3,48 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from pipeline.contract import zarrs
+from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_store
+from pipeline.contract.scratch import digest_files
 from pipeline.contract.stage import entry
 from pipeline.learning.device import Compute, compute
-from pipeline.learning.repeats import side_by_side
+from pipeline.learning.side_by_side import side_by_side
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.vae import LATENTS, load_vae
+
+CODE = ("contract", "learning", "worldmodel", "latents.py")
 
 
 def main(*, frames: Path, vae: Path, out: Path) -> None:
     """Encodes each repeat's frames with that repeat's network."""
     store = zarrs.Store(frames, zarrs.FRAMES, "frames")
     place = compute()
-    encoded = side_by_side(lambda r: encode(store, r, vae / f"repeat_{r}.pt", place), store.repeats)
-    arrays = {name: np.stack([each[name] for each in encoded]) for name in zarrs.LATENTS}
+    publish_store(out, side_by_side(lambda r: encode_repeat(store, r, vae, place), store.repeats))
+
+
+def encode_repeat(store: zarrs.Store, repeat: int, vae: Path, place: Compute) -> Path:
+    """The scratch folder of a repeat's finished latents."""
+    weights = vae / f"repeat_{repeat}.pt"
+    network = load_vae(weights)
     attributes = {name: value for name, value in store.attributes.items() if name != "format"}
-    zarrs.write(out, zarrs.LATENTS, arrays, attributes)
+
+    def make(results: Path, running: Path) -> None:
+        arrays = encode(store, repeat, Encoder(network, place))
+        zarrs.write(results / REPEAT, zarrs.LATENTS, arrays, attributes)
+
+    inputs = digest_files([store.place(repeat), weights])
+    decides: dict[str, Any] = {"inputs": inputs, "code": code_digest(*CODE), "machine": place.facts()}
+    return finished("latents", repeat, make, **decides)
 
 
-def encode(store: zarrs.Store, repeat: int, weights: Path, place: Compute) -> dict[str, np.ndarray]:
-    """One repeat's columns of the store of latents."""
+def encode(store: zarrs.Store, repeat: int, encoder: Encoder) -> dict[str, np.ndarray]:
+    """One repeat's arrays of the latents layout."""
     rgb = store.repeat("rgb", repeat)
-    mean, log_variance = Encoder(load_vae(weights), place).posterior(rgb.reshape(-1, *rgb.shape[2:]))
+    mean, log_variance = encoder.posterior(rgb.reshape(-1, *rgb.shape[2:]))
     shape = (*rgb.shape[:2], LATENTS)
     return {
         "mean": mean.numpy().reshape(shape),

@@ -9,12 +9,13 @@ import numpy as np
 
 from pipeline.contract import params, seeds, zarrs
 from pipeline.contract.artefacts import write_json
-from pipeline.contract.scratch import digest_arrays
+from pipeline.contract.repeats import code_digest, finished, publish
+from pipeline.contract.scratch import digest_files
 from pipeline.contract.seeds import Stream
 from pipeline.contract.split import split_episodes
 from pipeline.contract.stage import entry
 from pipeline.learning.device import Compute, compute
-from pipeline.learning.repeats import code_digest, finished, publish, side_by_side
+from pipeline.learning.side_by_side import side_by_side
 from pipeline.worldmodel.mdnrnn import save_mdnrnn
 from pipeline.worldmodel.mdnrnn_training import Sequences, fit, sequences
 from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes
@@ -33,24 +34,27 @@ def main(*, latents: Path, out: Path, metrics: Path) -> None:
 
 def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
     """The scratch folder of a repeat's finished ``weights.pt`` and ``metrics.json``."""
-    arrays = {name: store.repeat(name, repeat) for name in READ}
-    method, sizes = params.section(MdnRnnParams, "mdnrnn"), params.budget_section(MdnRnnSizes, "mdnrnn")
-    training, heldout = split_episodes(len(arrays["mean"]), params.heldout_share())
-    seed = params.seed()
-
-    def chosen(episodes: np.ndarray) -> Sequences:
-        columns = {name: arrays[name][episodes] for name in READ}
-        return sequences(columns, place.device)
+    scene = str(store.attributes["scene"])
+    method = params.section(MdnRnnParams, "mdnrnn")
+    sizes = params.budget_section(MdnRnnSizes, "mdnrnn", scene)
+    share, seed = params.heldout_share(), params.seed()
 
     def make(results: Path, running: Path) -> None:
+        arrays = {name: store.repeat(name, repeat) for name in READ}
+        training, heldout = split_episodes(len(arrays["mean"]), share)
+
+        def chosen(episodes: np.ndarray) -> Sequences:
+            columns = {name: arrays[name][episodes] for name in READ}
+            return sequences(columns, place.device)
+
         draws, what = seeds.integer(seed, repeat, Stream.MDNRNN), f"mdnrnn, repeat {repeat}"
         network, numbers = fit(chosen(training), chosen(heldout), method, sizes, place, draws, running, what)
         save_mdnrnn(results / "weights.pt", network)
         write_json(results / "metrics.json", numbers)
 
-    decides: dict[str, Any] = {"inputs": digest_arrays(arrays), "code": code_digest(*CODE), "seed": seed}
+    decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "code": code_digest(*CODE)}
     decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
-    return finished("mdnrnn", repeat, make, heldout=heldout.tolist(), **decides)
+    return finished("mdnrnn", repeat, make, seed=seed, heldout_share=share, **decides)
 
 
 if __name__ == "__main__":

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import mujoco
 import numpy as np
 from pydantic import Field
 
 from pipeline.contract import params, seeds, zarrs
+from pipeline.contract.allocation import scene_repeats
+from pipeline.contract.artefacts import write_json
 from pipeline.contract.machine import cores
 from pipeline.contract.progress import Progress
+from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_store
+from pipeline.contract.scratch import digest_files
 from pipeline.contract.stage import entry
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.exploration import ExplorationParams, correlated_actions
 from pipeline.sim.scene import Scene, load_scene
 from pipeline.sim.worlds import Worlds
 
+CODE = ("contract", "sim", "rollouts.py")
 # Numbers are kept to about a millionth of a radian or metre: what processors compute differently lies far
 # below, so that a newcomer's machine draws the very bytes from which the committed results come.
 _GRID = 2.0**-20
@@ -29,31 +34,41 @@ class RolloutSizes(params.Section):
     episodes: Annotated[int, Field(ge=2)]
 
 
-def main(*, scene: str, out: Path) -> None:
-    """Writes ``data/rollouts/SCENE.zarr`` (layout :data:`pipeline.contract.zarrs.ROLLOUTS`)."""
+def main(*, scene: str, out: Path, store: Path) -> None:
+    """Writes the store of episodes (layout :data:`pipeline.contract.zarrs.ROLLOUTS`), and ``out``, which says
+    which episodes they are.
+
+    Viewpoints depend on ``out`` only. It holds a hash of the repeats that every viewpoint has, so that it is
+    the same however many repeats the scene has in ``store`` by now.
+    """
     compiled = load_scene(scene)
-    sizes = params.budget_section(RolloutSizes, "rollouts")
-    process = params.section(ExplorationParams, "rollouts")
-    repeats = params.repeats()
-    with Progress(repeats * compiled.frames, f"rollouts {scene}") as progress:
-        blocks = [
-            roll(
-                compiled,
-                sizes.episodes,
-                process,
-                seeds.generator(params.seed(), r, seeds.Stream.ROLLOUTS),
-                progress,
-            )
-            for r in range(repeats)
-        ]
-    arrays = {name: np.stack([block[name] for block in blocks]) for name in zarrs.ROLLOUTS}
-    zarrs.write(out, zarrs.ROLLOUTS, arrays, {"scene": scene, "mujoco": mujoco.__version__})
+    results = [draw_repeat(compiled, repeat) for repeat in range(scene_repeats(scene))]
+    publish_store(store, results)
+    first = [result / REPEAT for result in results[: params.first_repeats()]]
+    write_json(out, {"scene": scene, "first_repeats": [digest_files([place]) for place in first]})
+
+
+def draw_repeat(scene: Scene, repeat: int) -> Path:
+    """The scratch folder of a repeat's finished episodes."""
+    sizes = params.budget_section(RolloutSizes, "rollouts", scene.name)
+    process, seed = params.section(ExplorationParams, "rollouts"), params.seed()
+    facts = {"scene": scene.name, "mujoco": mujoco.__version__}
+
+    def make(results: Path, running: Path) -> None:
+        rng = seeds.generator(seed, repeat, seeds.Stream.ROLLOUTS)
+        with Progress(scene.frames, f"rollouts {scene.name}, repeat {repeat}") as progress:
+            arrays = roll(scene, sizes.episodes, process, rng, progress)
+        zarrs.write(results / REPEAT, zarrs.ROLLOUTS, arrays, facts)
+
+    decides: dict[str, Any] = {"code": code_digest(*CODE), "seed": seed, "scene": scene.params.model_dump()}
+    decides |= {"sizes": sizes.model_dump(), "process": process.model_dump(), "facts": facts}
+    return finished("rollouts", repeat, make, **decides)
 
 
 def roll(
     scene: Scene, episodes: int, process: ExplorationParams, rng: np.random.Generator, progress: Progress
 ) -> dict[str, np.ndarray]:
-    """One repeat's episodes: arrays of the rollouts layout without their leading axis."""
+    """One repeat's episodes: arrays of the rollouts layout."""
     drawn = draw_episodes(scene, episodes, rng)
     actions = correlated_actions((episodes, scene.frames, scene.action_size), process, rng)
     worlds = Worlds(scene, episodes, cores())

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pipeline.contract import params, seeds, zarrs
-from pipeline.contract.artefacts import write_json
-from pipeline.contract.scratch import digest_arrays
+from pipeline.contract.artefacts import write_json, writing
+from pipeline.contract.repeats import code_digest, finished, publish
+from pipeline.contract.scratch import digest_files
 from pipeline.contract.seeds import Stream
 from pipeline.contract.split import split_episodes
 from pipeline.contract.stage import entry
 from pipeline.learning import checkpoints
 from pipeline.learning.device import Compute, compute
-from pipeline.learning.repeats import code_digest, finished, publish, side_by_side
+from pipeline.learning.side_by_side import side_by_side
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.params import VaeParams, VaeSizes
 from pipeline.worldmodel.probes import Labelled, label, probe
 from pipeline.worldmodel.reconstructions import write_reconstructions
-from pipeline.worldmodel.vae import load_vae
 from pipeline.worldmodel.vae_training import fit
 
 CODE = ("contract", "learning", "worldmodel", "vae.py")
@@ -33,19 +34,20 @@ def main(*, frames: Path, out: Path, metrics: Path, picture: Path) -> None:
     place = compute()
     results = side_by_side(lambda repeat: train_repeat(store, repeat, place), store.repeats)
     publish(out, metrics, store.attributes, results, "vae")
-    rgb = store.repeat("rgb", 0)
-    _, heldout = split_episodes(len(rgb), params.heldout_share())
-    write_reconstructions(picture, load_vae(results[0] / "weights.pt"), flat(rgb[heldout]))
+    with writing(picture) as aside:
+        shutil.copyfile(results[0] / "reconstructions.png", aside)
 
 
 def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
-    """The scratch folder of a repeat's finished ``weights.pt`` and ``metrics.json``."""
-    arrays = {name: store.repeat(name, repeat) for name in READ}
-    method, sizes = params.section(VaeParams, "vae"), params.budget_section(VaeSizes, "vae")
-    training, heldout = split_episodes(len(arrays["rgb"]), params.heldout_share())
-    strided, seed = {name: arrays[name][:, :: sizes.frame_stride] for name in ("rgb", "tip")}, params.seed()
+    """The scratch folder of a repeat's finished ``weights.pt``, ``metrics.json``, ``reconstructions.png``."""
+    scene = str(store.attributes["scene"])
+    method, sizes = params.section(VaeParams, "vae"), params.budget_section(VaeSizes, "vae", scene)
+    share, seed = params.heldout_share(), params.seed()
 
     def make(results: Path, running: Path) -> None:
+        arrays = {name: store.repeat(name, repeat) for name in READ}
+        training, heldout = split_episodes(len(arrays["rgb"]), share)
+        strided = {name: arrays[name][:, :: sizes.frame_stride] for name in ("rgb", "tip")}
         draws, what = seeds.integer(seed, repeat, Stream.VAE), f"vae, repeat {repeat}"
         seen, unseen = flat(strided["rgb"][training]), flat(strided["rgb"][heldout])
         vae, numbers = fit(seen, unseen, method, sizes, place, draws, running, what)
@@ -59,12 +61,13 @@ def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
         shares = arrays["target_pixels"] / np.maximum(arrays["target_pixels_free"], 1)[:, None]
         hidden = arrays["target_pixels"] == 0
         numbers |= {"target_seen_share": shares.mean(), "frames_target_hidden_share": hidden.mean()}
+        write_reconstructions(results / "reconstructions.png", vae, flat(arrays["rgb"][heldout]))
         checkpoints.save(results / "weights.pt", vae.cpu().state_dict())
         write_json(results / "metrics.json", numbers)
 
-    decides: dict[str, Any] = {"inputs": digest_arrays(arrays), "code": code_digest(*CODE), "seed": seed}
+    decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "code": code_digest(*CODE)}
     decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
-    return finished("vae", repeat, make, heldout=heldout.tolist(), **decides)
+    return finished("vae", repeat, make, seed=seed, heldout_share=share, **decides)
 
 
 def flat(array: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""`./run` and `./run --jobs N [TARGET …]`: the study, serially or with its branches side by side."""
+"""`./run [--jobs N] [SCENE …]`: the race of each scene's viewpoints, until every scene has its answer."""
 
 from __future__ import annotations
 
@@ -7,36 +7,42 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from pathlib import Path
 
-from pipeline.contract import scratch
-from pipeline.contract.errors import BelvedereError
+from pipeline.contract import params, scratch
+from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.machine import CORES_VARIABLE, cores
-from runner.plan import branches, jobs, read_pipeline
-from runner.schedule import Schedule
-from runner.words import announcement, verdicts
+from runner.dvc import read_faster
+from runner.plan import branches, key, read_pipeline
+from runner.race import Race, allocate
+from runner.schedule import DVC, Schedule
+from runner.words import announcement, answers
 
-THREADS_VARIABLE = "OMP_NUM_THREADS"  # what numerical libraries besides ours go by
+_NVIDIA = Path("/dev/nvidiactl")  # there where CUDA is
 
 
 def main(argv: Sequence[str]) -> int:
     """Runs what is asked for and returns the exit status."""
     asked = _parser().parse_args(argv)
-    slots = None if asked.jobs is None else number_of_jobs(asked.jobs)
-    if not asked.targets:
-        print(announcement(), flush=True)
-    if slots is not None:
-        side_by_side(slots, asked.targets)
-    status = repro(asked.targets)
-    if status == 0 and not asked.targets:
-        print(verdicts())
+    slots = default_jobs() if asked.jobs is None else number_of_jobs(asked.jobs)
+    for scene in asked.scenes:
+        if scene not in params.value("scenes"):
+            raise unknown("scene", scene, params.value("scenes"))
+    print(announcement(asked.scenes), flush=True)
+    race(slots, asked.scenes)
+    if asked.scenes:
+        return 0
+    status = repro()
+    if status == 0:
+        print(answers())
     return status
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="./run", description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--jobs", nargs="?", const="", metavar="N", help="branches side by side")
-    parser.add_argument("targets", nargs="*", metavar="TARGET", help="a stage, as for `dvc repro`")
+    parser.add_argument("--jobs", metavar="N", nargs="?", const="", help="viewpoints at work at a time")
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="of params.yaml; without any, all")
     return parser
 
 
@@ -53,37 +59,39 @@ def number_of_jobs(given: str) -> int:
     return int(given)
 
 
-def shares(slots: int, environment: Mapping[str, str]) -> dict[str, str]:
-    """The environment of one of ``slots`` processes: its share of the cores, unless the user gave it one."""
-    share = str(cores() if CORES_VARIABLE in environment else max(1, cores() // slots))
-    return {THREADS_VARIABLE: share, **environment, CORES_VARIABLE: share}
+def default_jobs() -> int:
+    """One viewpoint a core, or one alone where a GPU does the work and is filled by a viewpoint's repeats."""
+    return 1 if _NVIDIA.exists() else cores()
 
 
-def side_by_side(slots: int, targets: Sequence[str]) -> None:
-    """Runs what branches do alone, ``slots`` processes at once.
+def race(slots: int, scenes: Sequence[str]) -> None:
+    """Runs rounds until each of the scenes (all, where there are none) has its answer.
 
     Raises:
-        BelvedereError: a job failed, or the scratch store cannot be written to.
+        BelvedereError: a stage failed, or the scratch store cannot be written to.
     """
-    environment, logs = shares(slots, os.environ), scratch.root() / "logs"
-    to_do = jobs(read_pipeline(targets), branches())
+    read_faster()
+    allocation, logs = allocate(), scratch.root() / "logs"
+    pipeline = read_pipeline([f"ranking@{scene}" for scene in scenes or params.value("scenes")])
+    ordered = [key(stage) for stage in pipeline.waits if stage.startswith("ranking@")]
+    race = Race(pipeline, branches(), ordered, cores(), allocation)
+    to_do = race.begin()
     if not to_do:
         return
     try:
         logs.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise BelvedereError(f"the logs' folder {logs} cannot be made ({error.strerror}).") from None
-    print(
-        f"{slots} at once, {environment[CORES_VARIABLE]} core(s) each; what they say is in {logs}", flush=True
-    )
-    Schedule(slots, environment, logs).run(to_do)
+    print(f"{slots} at once on {cores()} core(s); what they say is in {logs}", flush=True)
+    shared = None if CORES_VARIABLE in os.environ else cores()
+    Schedule(slots, shared, os.environ, logs, race.more).run(to_do)
 
 
-def repro(targets: Sequence[str]) -> int:
+def repro() -> int:
     """Runs `dvc repro` on this terminal and returns its status; an interrupt is DVC's to handle."""
     former = signal.signal(signal.SIGINT, lambda *_: None)  # a handler, unlike SIG_IGN, is not inherited
     try:
-        return subprocess.run(["dvc", "repro", *targets]).returncode
+        return subprocess.run([*DVC, "repro"]).returncode
     finally:
         signal.signal(signal.SIGINT, former)
 

@@ -8,12 +8,13 @@ and a job names its stages one by one.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import yaml
 
+from pipeline.contract.allocation import ALLOCATION_FILE
 from pipeline.contract.errors import BelvedereError
 
 
@@ -25,11 +26,13 @@ class Job:
         name: the branch, or the stage that branches share.
         stages: DVC's names of the stages, in an order in which they can run.
         after: the names of the jobs that must be done before.
+        place: of jobs that could begin, the one with the lowest number does.
     """
 
     name: str
     stages: tuple[str, ...]
     after: frozenset[str]
+    place: int
 
 
 @dataclass(frozen=True)
@@ -39,14 +42,22 @@ class Pipeline:
     Attributes:
         waits: for each stage, in the order in which `dvc repro` takes them, the stages it directly waits for.
         changed: the stages that are not as dvc.lock has them.
+        allocated: the stages that depend on the number of repeats.
     """
 
     waits: Mapping[str, Collection[str]]
     changed: frozenset[str]
+    allocated: frozenset[str]
+
+    def of(self, keys: Collection[str], changed: Collection[str]) -> Pipeline:
+        """The stages of some branches and scenes alone, of which some count as changed."""
+        kept = [stage for stage in self.waits if key(stage) in keys]
+        waits = {stage: [w for w in self.waits[stage] if w in kept] for stage in kept}
+        return Pipeline(waits, frozenset(changed).intersection(kept), self.allocated)
 
 
 def read_pipeline(targets: Sequence[str]) -> Pipeline:
-    """Asks DVC for the stages behind ``targets``, or for all where there are none, in the working directory.
+    """Asks DVC for the stages behind ``targets``, in the working directory.
 
     Raises:
         BelvedereError: DVC knows no such target, cannot read its files, or is at work already.
@@ -58,11 +69,14 @@ def read_pipeline(targets: Sequence[str]) -> Pipeline:
     try:
         with Repo() as repo, lock_repo(repo):
             graph = get_active_graph(repo.index.graph)
-            stages = plan_repro(graph, collect_stages(repo, targets or ["dvc.yaml"]))
+            stages = plan_repro(graph, collect_stages(repo, targets))
             waits = {s.addressing: [w.addressing for w in graph.successors(s)] for s in stages}
-            return Pipeline(waits, frozenset(s.addressing for s in stages if s.changed()))
+            changed = frozenset(s.addressing for s in stages if s.changed())
+            reads = {s.addressing: {str(dep.def_path) for dep in s.deps} for s in stages}
     except DvcException as error:
         raise BelvedereError(f"DVC cannot plan the run: {error}") from None
+    allocated = {stage for stage, paths in reads.items() if ALLOCATION_FILE.as_posix() in paths}
+    return Pipeline(waits, changed, frozenset(allocated))
 
 
 def branches() -> frozenset[str]:
@@ -72,39 +86,31 @@ def branches() -> frozenset[str]:
     return frozenset(key for each in maps for key in each)
 
 
-def jobs(pipeline: Pipeline, branches: Collection[str]) -> list[Job]:
+def jobs(pipeline: Pipeline, branches: Collection[str], place: int) -> list[Job]:
     """The jobs that have something to do, in the order in which they are best begun.
 
-    A branch is one job; so is each stage that waits for no branch, such as a scene's rollouts. The stages in
-    which branches meet are in no job: a last `dvc repro` runs them.
+    A branch is one job, and so is each stage of a scene: its rollouts, anchors, ranking. The stages in which
+    scenes meet are in no job.
     """
-    in_branch = {stage for stage in pipeline.waits if _key(stage) in branches}
     job_of: dict[str, str] = {}
     for stage in pipeline.waits:
-        if stage in in_branch:
-            job_of[stage] = _key(stage)
-        elif in_branch.isdisjoint(_behind(stage, pipeline.waits)):
+        if key(stage) in branches:
+            job_of[stage] = key(stage)
+        elif key(stage):
             job_of[stage] = stage
-    made = [_job(name, job_of, pipeline.waits) for name in dict.fromkeys(job_of.values())]
+    made = [_job(name, job_of, pipeline.waits, place) for name in dict.fromkeys(job_of.values())]
     return _with_something_to_do(made, pipeline.changed)
 
 
-def _key(stage: str) -> str:
+def key(stage: str) -> str:
     """What dvc.yaml repeats a stage over: ``study`` of ``frames@study``; empty where it stands once."""
     return stage.partition("@")[2]
 
 
-def _behind(stage: str, waits: Mapping[str, Collection[str]]) -> Iterator[str]:
-    """All that a stage waits for, directly or not."""
-    for awaited in waits[stage]:
-        yield awaited
-        yield from _behind(awaited, waits)
-
-
-def _job(name: str, job_of: Mapping[str, str], waits: Mapping[str, Collection[str]]) -> Job:
+def _job(name: str, job_of: Mapping[str, str], waits: Mapping[str, Collection[str]], place: int) -> Job:
     stages = tuple(stage for stage, job in job_of.items() if job == name)
     after = {job_of[awaited] for stage in stages for awaited in waits[stage]}
-    return Job(name, stages, frozenset(after - {name}))
+    return Job(name, stages, frozenset(after - {name}), place)
 
 
 def _with_something_to_do(made: Sequence[Job], changed: Collection[str]) -> list[Job]:
@@ -112,4 +118,4 @@ def _with_something_to_do(made: Sequence[Job], changed: Collection[str]) -> list
     names = {job.name for job in made if not set(job.stages).isdisjoint(changed)}
     while more := {job.name for job in made if job.name not in names and job.after & names}:
         names |= more
-    return [Job(job.name, job.stages, job.after & names) for job in made if job.name in names]
+    return [Job(job.name, job.stages, job.after & names, job.place) for job in made if job.name in names]

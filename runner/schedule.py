@@ -5,17 +5,21 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.machine import CORES_VARIABLE
 from runner.interrupts import Interrupts
 from runner.plan import Job
 
+THREADS_VARIABLE = "OMP_NUM_THREADS"  # what numerical libraries besides ours go by
 TAIL_LINES = 20  # of a failed job's log
 _LOOK_EVERY_S = 0.1
+DVC = (sys.executable, "-m", "runner.dvc")
 # SIGINT lets stages and DVC clean up. What goes on regardless gets the next signal after so many seconds, or
 # at another Ctrl-C.
 _ENDINGS = ((signal.SIGINT, 10.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
@@ -35,18 +39,23 @@ class Schedule:
 
     Attributes:
         slots: how many at once.
-        environment: what the processes find in their environment.
+        cores: what they share out among themselves; ``None`` where the user's own environment decides.
+        environment: what the processes find in their environment besides.
+        more: is told of each job that is done, and gives the jobs that have to be done now.
         logs: the folder that each process's output goes to, in a file of the job's name.
     """
 
     slots: int
+    cores: int | None
     environment: Mapping[str, str]
     logs: Path
+    more: Callable[[Job], Sequence[Job]]
     _running: list[_Process] = field(default_factory=list)
+    _waiting: list[Job] = field(default_factory=list)
     _done: set[str] = field(default_factory=set)
 
     def run(self, jobs: Sequence[Job]) -> None:
-        """Runs all jobs, a job when those it waits for are done and a slot is free, earlier ones first.
+        """Runs all jobs and those that come of them, each when what it waits for is done and a slot is free.
 
         Raises:
             BelvedereError: a job failed. None was begun after it; those at work were let finish.
@@ -66,29 +75,35 @@ class Schedule:
 
     def _run(self, jobs: Sequence[Job], interrupts: Interrupts) -> list[_Process]:
         """Runs jobs until none is left, one fails or the user interrupts; returns the failed ones."""
-        waiting, failed = list(jobs), list[_Process]()
+        failed = list[_Process]()
+        self._add(jobs)
         while True:
-            while not failed and not interrupts.count and (job := self._next(waiting)):
-                waiting.remove(job)
-                self._start(job)
+            while not failed and not interrupts.count and (ready := self._ready()):
+                self._start(ready[0], len(ready))
             if not self._running:
                 return failed
             ended = self._wait(interrupts)
             if not interrupts.count:
-                failed += [process for process in ended if not self._succeeded(process, len(jobs))]
+                failed += [process for process in ended if not self._succeeded(process)]
 
-    def _next(self, waiting: Sequence[Job]) -> Job | None:
+    def _add(self, jobs: Sequence[Job]) -> None:
+        self._done -= {job.name for job in jobs}  # a branch has a job of its name in each round
+        self._waiting = sorted([*self._waiting, *jobs], key=lambda job: job.place)
+
+    def _ready(self) -> list[Job]:
+        """The jobs that could begin, the first of them now; none while all slots are taken."""
         if len(self._running) >= self.slots:
-            return None
-        return next((job for job in waiting if job.after <= self._done), None)
+            return []
+        return [job for job in self._waiting if job.after <= self._done]
 
-    def _start(self, job: Job) -> None:
+    def _start(self, job: Job, ready: int) -> None:
+        self._waiting.remove(job)
         log = self.logs / f"{job.name}.log"
         with log.open("wb") as file:
             child = subprocess.Popen(
                 # DVC takes the first option before the subcommand only
-                ["dvc", "--wait-for-lock", "repro", "--single-item", *job.stages],
-                env=self.environment,
+                [*DVC, "--wait-for-lock", "repro", "--single-item", *job.stages],
+                env=self._share(ready),
                 stdin=subprocess.DEVNULL,
                 stdout=file,
                 stderr=subprocess.STDOUT,
@@ -96,6 +111,14 @@ class Schedule:
             )
         self._running.append(_Process(job, child, log, time.monotonic()))
         print(f"{job.name}: begun, {len(self._running)} at work", flush=True)
+
+    def _share(self, ready: int) -> dict[str, str]:
+        """The environment of a process that begins while ``ready`` jobs could: its share of the cores."""
+        if self.cores is None:
+            return dict(self.environment)
+        beside = min(self.slots, len(self._running) + ready)
+        share = str(max(1, self.cores // beside))
+        return {THREADS_VARIABLE: share, **self.environment, CORES_VARIABLE: share}
 
     def _wait(self, interrupts: Interrupts) -> list[_Process]:
         """Waits until a process has ended, and takes those that have from the running ones."""
@@ -106,15 +129,16 @@ class Schedule:
         self._running = [p for p in self._running if p not in ended]
         return ended
 
-    def _succeeded(self, process: _Process, jobs: int) -> bool:
+    def _succeeded(self, process: _Process) -> bool:
         if process.child.returncode:
             at_work = ", ".join(p.job.name for p in self._running)
             print(f"{process.job.name}: failed" + (f"; waiting for {at_work}" if at_work else ""), flush=True)
             return False
         self._done.add(process.job.name)
         minutes, seconds = divmod(round(time.monotonic() - process.begun_s), 60)
-        took = f"{minutes}:{seconds:02} minutes"
-        print(f"{process.job.name}: done in {took}, {len(self._done)} of {jobs} done", flush=True)
+        left = len(self._waiting) + len(self._running)
+        print(f"{process.job.name}: done in {minutes}:{seconds:02} minutes, {left} to do", flush=True)
+        self._add(self.more(process.job))
         return True
 
     def _end_all(self, interrupts: Interrupts) -> None:

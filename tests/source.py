@@ -118,8 +118,10 @@ def _key_read(file: str, call: ast.Call) -> str | None:
             return ".".join(words[1:])
         case "budget_section":
             return f"budgets.${{budget}}.{words[1]}"
-        case "repeats":
-            return "budgets.${budget}.repeats"
+        case "race" | "first_repeats":
+            return "budgets.${budget}.race"
+        case "budget":
+            return "budget"
         case "seed" | "heldout_share":
             return reader
     return None

@@ -103,7 +103,8 @@ def covering(file: str, deps: set[str]) -> bool:
 
 def listed(stage: str) -> set[str]:
     """The parameter keys that dvc.yaml lists, whichever scene they are for."""
-    return {re.sub(r"\$\{item(\.scene)?\}", "*", key) for key in form(stage).get("params", [])}
+    entries = [key for key in form(stage).get("params", []) if isinstance(key, str)]
+    return {re.sub(r"\$\{item(\.scene)?\}", "*", key) for key in entries}
 
 
 def within(key: str, outer: str) -> bool:
@@ -140,6 +141,22 @@ def test_params_that_are_listed_exist_in_every_budget_and_scene(stage: str, budg
             for part in key.replace("${budget}", budget).replace("*", scene).split("."):
                 assert part in node, f"{key}: {part} is not in params.yaml"
                 node = node[part]
+
+
+def test_a_branch_depends_on_its_own_number_of_repeats_and_episodes_on_their_scene_s() -> None:
+    files = {s: [key for key in form(s).get("params", []) if isinstance(key, dict)] for s in STAGES}
+    assert {stage: found for stage, found in files.items() if found} == {
+        "rollouts": [{"data/allocation.yaml": ["scenes.${item}"]}],
+        "frames": [{"data/allocation.yaml": ["branches.${key}"]}],
+    }
+    readers = {s for s in STAGES if "pipeline/contract/allocation.py" in modules_behind(f"pipeline/{s}.py")}
+    assert readers == {"rollouts", "frames"}
+
+
+def test_every_branch_and_scene_has_a_number_of_repeats() -> None:
+    allocation = yaml.safe_load((ROOT / "data/allocation.yaml").read_text(encoding="utf-8"))
+    assert set(allocation["branches"]) == {"study", *PARAMS["viewpoints"]}
+    assert set(allocation["scenes"]) == set(PARAMS["scenes"])
 
 
 def test_the_budgets_have_the_same_sections() -> None:

@@ -12,12 +12,10 @@ import fcntl
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from pipeline.contract.errors import BelvedereError
 
@@ -30,23 +28,14 @@ def root() -> Path:
 
 
 def digest_files(paths: Iterable[Path]) -> str:
-    """A hash of files' names and contents; folders are walked, caches passed over."""
+    """A hash of files' contents and of their names within the given folders, wherever these lie."""
     hasher = hashlib.sha256()
     for path in paths:
         files = [path] if Path(path).is_file() else sorted(Path(path).rglob("*"))
         for file in files:
-            if file.is_file() and "__pycache__" not in file.parts:
-                hasher.update(file.as_posix().encode() + b"\0")
+            if file.is_file():
+                hasher.update(file.relative_to(path).as_posix().encode() + b"\0")
                 hasher.update(file.read_bytes() + b"\0")
-    return hasher.hexdigest()
-
-
-def digest_arrays(arrays: Mapping[str, np.ndarray]) -> str:
-    """A hash of named arrays: names, types, shapes and bytes."""
-    hasher = hashlib.sha256()
-    for name, array in sorted(arrays.items()):
-        hasher.update(f"{name} {array.dtype} {array.shape}\0".encode())
-        hasher.update(np.ascontiguousarray(array).data)
     return hasher.hexdigest()
 
 

@@ -1,7 +1,7 @@
-"""Zarr v3 stores of a repeat × episode × frame table, sharded, with a checked schema.
+"""Zarr v3 stores of episode × frame tables, one group per repeat, sharded, with a checked schema.
 
-Every array's leading axis is the repeat, the second the episode, so one repeat of a store is one
-block; a shard holds one repeat's episodes, so a store is a few files and DVC stays fast.
+A store is a folder with the groups ``repeat_0.zarr``, ``repeat_1.zarr``, …, so that it grows by a repeat
+without a change of the others. A shard holds many episodes, so a repeat is a few files and DVC stays fast.
 Directory stores are byte-identical between identical runs (a ``ZipStore`` is not).
 """
 
@@ -18,7 +18,7 @@ import zarr
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
 
-FORMAT = 1
+FORMAT = 2
 SHARD_BYTES = 256 * 2**20  # an upper bound on a shard, far above quick's, for the paper budget
 
 
@@ -27,7 +27,7 @@ class Column:
     """One named array of a store.
 
     Attributes:
-        dims: axis names; the first two are ``repeat`` and ``episode``.
+        dims: axis names; the first is ``episode``.
         dtype: NumPy dtype name.
         unit: physical unit, or what the numbers are.
     """
@@ -39,8 +39,8 @@ class Column:
 
 Schema = Mapping[str, Column]
 
-_EPISODE = ("repeat", "episode")
-_FRAME = ("repeat", "episode", "frame")
+_EPISODE = ("episode",)
+_FRAME = ("episode", "frame")
 
 ROLLOUTS: Schema = {
     "qpos": Column((*_FRAME, "coordinate"), "float32", "MuJoCo generalised positions (rad, m)"),
@@ -66,16 +66,21 @@ LATENTS: Schema = {
 }
 
 
+def place(folder: Path, repeat: int) -> Path:
+    """Where a store in ``folder`` keeps a repeat."""
+    return folder / f"repeat_{repeat}.zarr"
+
+
 def write(
     path: Path, schema: Schema, arrays: Mapping[str, np.ndarray], attributes: Mapping[str, Any]
 ) -> None:
-    """Writes a store whole.
+    """Writes one repeat whole.
 
     Args:
-        path: the store's folder.
+        path: the repeat's own folder, see :func:`place`.
         schema: which arrays there must be.
         arrays: one array per column of the schema; shapes must agree on shared axis names.
-        attributes: JSON-able facts about the whole store (scene, viewpoint, versions, …).
+        attributes: JSON-able facts that all repeats of a store share (scene, viewpoint, versions, …).
     """
     _check_shapes(path, schema, {name: a.shape for name, a in arrays.items()})
     with writing(Path(path)) as aside:
@@ -96,15 +101,15 @@ def write(
 
 
 def _layout(array: np.ndarray) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """One episode a chunk; as many episodes of one repeat a shard as ``SHARD_BYTES`` allow."""
-    rest = array.shape[2:]
+    """One episode a chunk; as many episodes a shard as ``SHARD_BYTES`` allow."""
+    rest = array.shape[1:]
     episode_bytes = int(np.prod(rest, dtype=np.int64)) * array.itemsize
-    episodes = max(1, min(array.shape[1], SHARD_BYTES // max(1, episode_bytes)))
-    return (1, 1, *rest), (1, episodes, *rest)
+    episodes = max(1, min(array.shape[0], SHARD_BYTES // max(1, episode_bytes)))
+    return (1, *rest), (episodes, *rest)
 
 
 class Store:
-    """A store opened for reading; its schema has been checked.
+    """A store opened for reading; the schema of every repeat has been checked.
 
     Args:
         path: the store's folder.
@@ -116,54 +121,72 @@ class Store:
         self.path, self._made_by = Path(path), made_by
         if not self.path.exists():
             raise BelvedereError(f"{path} is missing; `dvc repro {made_by}` makes it.")
-        try:
-            self._group = zarr.open_group(str(path), mode="r")
-        except Exception as error:  # zarr raises many types on a foreign or truncated store
-            raise self._broken(f"it is no Zarr v3 group ({type(error).__name__})") from None
-        self.attributes: dict[str, Any] = dict(self._group.attrs)
-        if self.attributes.get("format") != FORMAT:
-            raise self._broken(f"its format is {self.attributes.get('format')!r}, not {FORMAT}")
-        missing = [name for name in schema if name not in self._group]
-        if missing:
-            raise self._broken(f"it has no array {', '.join(missing)}")
-        for name, column in schema.items():
-            if str(self._array(name).dtype) != column.dtype:
-                raise self._broken(f"array {name} is {self._array(name).dtype}, not {column.dtype}")
-        _check_shapes(self.path, schema, {name: self._array(name).shape for name in schema})
+        found = len(list(self.path.glob("repeat_*.zarr")))
+        self._groups = [self._open(repeat, schema) for repeat in range(found)]
+        if not self._groups:
+            raise self._broken("it has no repeat_0.zarr")
+        self.attributes: dict[str, Any] = dict(self._groups[0].attrs)
 
     @property
     def repeats(self) -> int:
-        return int(next(iter(self._group.arrays()))[1].shape[0])
+        return len(self._groups)
+
+    def place(self, repeat: int) -> Path:
+        """The folder of one repeat.
+
+        Raises:
+            BelvedereError: there is no such repeat.
+        """
+        if not 0 <= repeat < self.repeats:
+            raise self._broken(f"it holds {self.repeats} repeats, and repeat {repeat} was asked for")
+        return place(self.path, repeat)
 
     def shape(self, name: str) -> tuple[int, ...]:
-        return tuple(self._array(name).shape)
+        """The shape of array ``name`` in the first repeat: ``(episode, …)``."""
+        return tuple(self._array(name, 0).shape)
 
     def repeat(self, name: str, repeat: int) -> np.ndarray:
-        """One repeat's block of array ``name``: shape ``(episode, …)``.
+        """One repeat's array ``name``: shape ``(episode, …)``.
 
         Raises:
             BelvedereError: the data cannot be read or is cut short.
         """
-        array = self._array(name)
-        if not 0 <= repeat < array.shape[0]:
-            raise self._broken(f"it holds {array.shape[0]} repeats, and repeat {repeat} was asked for")
-        self._refuse_missing_shards(name, array)
+        where = self.place(repeat)
+        array = self._array(name, repeat)
+        self._refuse_missing_shards(where / name, array)
         try:
-            return np.asarray(array[repeat])
+            return np.asarray(array[...])
         except Exception as error:  # a truncated shard surfaces as one of many types
-            raise self._broken(f"array {name} cannot be read ({type(error).__name__})") from None
+            raise self._broken(
+                f"array {name} of repeat {repeat} cannot be read ({type(error).__name__})"
+            ) from None
 
-    def _array(self, name: str) -> zarr.Array:
-        found = self._group[name]
-        if not isinstance(found, zarr.Array):
-            raise self._broken(f"{name} is no array but a group")
-        return found
+    def _open(self, repeat: int, schema: Schema) -> zarr.Group:
+        path = place(self.path, repeat)
+        try:
+            group = zarr.open_group(str(path), mode="r")
+        except Exception as error:  # zarr raises many types on a foreign or truncated store
+            raise self._broken(f"{path.name} is no Zarr v3 group ({type(error).__name__})") from None
+        if group.attrs.get("format") != FORMAT:
+            raise self._broken(f"the format of {path.name} is {group.attrs.get('format')!r}, not {FORMAT}")
+        missing = [name for name in schema if not isinstance(group.get(name), zarr.Array)]
+        if missing:
+            raise self._broken(f"{path.name} has no array {', '.join(missing)}")
+        arrays: dict[str, Any] = {name: group[name] for name in schema}
+        for name, column in schema.items():
+            if str(arrays[name].dtype) != column.dtype:
+                raise self._broken(f"array {name} is {arrays[name].dtype}, not {column.dtype}")
+        _check_shapes(path, schema, {name: array.shape for name, array in arrays.items()})
+        return group
 
-    def _refuse_missing_shards(self, name: str, array: Any) -> None:
+    def _array(self, name: str, repeat: int) -> Any:
+        return self._groups[repeat][name]
+
+    def _refuse_missing_shards(self, folder: Path, array: Any) -> None:
         """Zarr reads a missing or empty shard as zeros, which would train a network on nothing."""
-        empty = any(f.is_file() and not f.stat().st_size for f in (self.path / name).rglob("*"))
+        empty = any(f.is_file() and not f.stat().st_size for f in folder.rglob("*"))
         if empty or array.nchunks_initialized < array.nchunks:
-            raise self._broken(f"array {name} lacks some of its data")
+            raise self._broken(f"array {folder.name} of {folder.parent.name} lacks some of its data")
 
     def _broken(self, why: str) -> BelvedereError:
         return BelvedereError(

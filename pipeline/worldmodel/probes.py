@@ -43,6 +43,8 @@ def label(latents: Tensor, tip_m: np.ndarray, target_m: np.ndarray) -> Labelled:
 def probe(training: Labelled, heldout: Labelled, params: ProbeParams, seed: int) -> dict[str, float]:
     """Held-out root mean squared distance, in metres, of tip, target and tip - target read from z.
 
+    Beside the probes' errors stand those of a guess that does not look: the mean of the training data.
+
     Args:
         training: what the probes are fitted on.
         heldout: what they are judged on, from other episodes.
@@ -52,10 +54,11 @@ def probe(training: Labelled, heldout: Labelled, params: ProbeParams, seed: int)
     scale = _Scale(training)
     inputs, unseen = scale.inputs(training), scale.inputs(heldout)
     linear = _linear(inputs, scale.outputs(training))
-    errors = _errors("linear", scale.metres(_with_one(unseen) @ linear), heldout)
+    errors = _errors("guess", scale.metres(torch.zeros(len(unseen), 9)), heldout)
+    errors |= _errors("probe_linear", scale.metres(_with_one(unseen) @ linear), heldout)
     network = _network(inputs, scale.outputs(training), params, seed)
     with torch.inference_mode():
-        errors |= _errors("mlp", scale.metres(network(unseen)), heldout)
+        errors |= _errors("probe_mlp", scale.metres(network(unseen)), heldout)
     return errors
 
 
@@ -112,4 +115,4 @@ def _network(inputs: Tensor, outputs: Tensor, params: ProbeParams, seed: int) ->
 def _errors(kind: str, read_m: Tensor, heldout: Labelled) -> dict[str, float]:
     squared = (read_m - heldout.labels()).square().unflatten(1, (3, 3)).sum(2).mean(0)
     names = ("tip", "target", "tip_to_target")
-    return {f"probe_{kind}_{n}_m": float(s) for n, s in zip(names, squared.sqrt(), strict=True)}
+    return {f"{kind}_{n}_m": float(s) for n, s in zip(names, squared.sqrt(), strict=True)}

@@ -21,8 +21,8 @@ seed: 7
 heldout_share: 0.25
 budget: small
 budgets:
-  small: {repeats: 2, rollouts: {episodes: 4, rate: 0.5}}
-  large: {repeats: 9, rollouts: {episodes: 400, rate: 0.5}}
+  small: {race: {first: 2, most: 5}, rollouts: {episodes: 4, rate: 0.5}}
+  large: {race: {first: 9, most: 9}, rollouts: {episodes: 400, rate: 0.5, scenes: {far: {episodes: 500}}}}
 """
 
 
@@ -44,7 +44,17 @@ def test_sections_come_from_the_chosen_budget(file: Path) -> None:
     assert params.budget_section(Sizes, "rollouts", path=file) == Sizes(episodes=4, rate=0.5)
     large = change(file, "budget: small", "budget: large")
     assert params.budget_section(Sizes, "rollouts", path=large).episodes == 400
-    assert (params.repeats(file), params.repeats(large)) == (2, 9)
+    assert (params.first_repeats(file), params.first_repeats(large)) == (2, 9)
+
+
+def test_a_scene_may_have_sizes_of_its_own(file: Path) -> None:
+    large = change(file, "budget: small", "budget: large")
+    found = [params.budget_section(Sizes, "rollouts", scene, large) for scene in ("near", "far", None)]
+    assert found == [Sizes(episodes=n, rate=0.5) for n in (400, 500, 400)]
+    bad = change(file, "budget: small", "budget: large").with_name("changed.yaml")
+    bad.write_text(bad.read_text().replace("{far: {episodes: 500}}", "{far: {episodes: -5}}"))
+    with pytest.raises(BelvedereError, match=r"budgets\.large\.rollouts\.episodes = -5"):
+        params.budget_section(Sizes, "rollouts", "far", bad)
 
 
 def test_scalars(file: Path) -> None:
@@ -77,7 +87,7 @@ def test_a_section_cannot_be_changed() -> None:
         (
             "rollouts: {episodes: 4",
             "rolouts: {episodes: 4",
-            "'rollouts' is unknown; available: repeats, rolouts",
+            "'rollouts' is unknown; available: race, rolouts",
         ),
         ("budgets:", "- budgets:", "not valid YAML"),
     ],
@@ -89,10 +99,21 @@ def test_a_bad_section_is_told(file: Path, old: str, new: str, told: str) -> Non
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("bad", ["0", "-1", "2.0", "true", "two", "null"])
-def test_repeats_are_a_whole_number_from_one(file: Path, bad: str) -> None:
-    with pytest.raises(BelvedereError, match=r"budgets\.small\.repeats = .* from 1 up"):
-        params.repeats(change(file, "repeats: 2", f"repeats: {bad}"))
+@pytest.mark.parametrize(
+    ("race", "told"),
+    [
+        ("{first: 1, most: 5}", "race.first = 1"),
+        ("{first: 2.5, most: 5}", "race.first = 2.5"),
+        ("{first: two, most: 5}", "race.first = 'two'"),
+        ("{first: 3, most: 41}", "race.most = 41"),
+        ("{first: 3, most: 2}", r"most \(2\) must not be less than first \(3\)"),
+        ("{first: 3}", "race.most"),
+        ("null", "race = None"),
+    ],
+)
+def test_a_bad_race_is_told(file: Path, race: str, told: str) -> None:
+    with pytest.raises(BelvedereError, match=told):
+        params.first_repeats(change(file, "{first: 2, most: 5}", race))
 
 
 @pytest.mark.parametrize("bad", ["-1", "1.5", "true", "x"])
@@ -107,9 +128,11 @@ def test_the_heldout_share_lies_between_zero_and_one(file: Path, bad: str) -> No
         params.heldout_share(change(file, "heldout_share: 0.25", f"heldout_share: {bad}"))
 
 
-@pytest.mark.parametrize("budget", ["{}", "{repeats: 3, rollouts: 5}", "5"])
+@pytest.mark.parametrize("budget", ["{}", "{race: 3, rollouts: 5}", "5"])
 def test_a_budget_of_another_shape_is_told(file: Path, budget: str) -> None:
-    bad = change(file, "small: {repeats: 2, rollouts: {episodes: 4, rate: 0.5}}", f"small: {budget}")
+    bad = change(
+        file, "small: {race: {first: 2, most: 5}, rollouts: {episodes: 4, rate: 0.5}}", f"small: {budget}"
+    )
     with pytest.raises(BelvedereError, match=r"budgets\.small"):
         params.budget_section(Sizes, "rollouts", path=bad)
 

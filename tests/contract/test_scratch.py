@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from pipeline.contract import scratch
@@ -54,24 +53,10 @@ def test_the_digest_of_files_tells_names_and_contents(tmp_path: Path) -> None:
     folder.mkdir()
     (folder / "a.py").write_text("1")
     first = scratch.digest_files([folder])
-    (folder / "__pycache__").mkdir()
-    (folder / "__pycache__" / "a.pyc").write_text("x")
-    assert scratch.digest_files([folder]) == first
+    folder.rename(tmp_path / "elsewhere")
+    assert scratch.digest_files([tmp_path / "elsewhere"]) == first
+    (tmp_path / "elsewhere").rename(folder)
     (folder / "a.py").write_text("2")
     second = scratch.digest_files([folder])
     (folder / "a.py").rename(folder / "b.py")
     assert len({first, second, scratch.digest_files([folder])}) == 3
-
-
-def test_the_digest_of_arrays_tells_names_types_shapes_and_values() -> None:
-    array = np.arange(6, dtype=np.float32)
-    digests = [
-        scratch.digest_arrays({"a": array}),
-        scratch.digest_arrays({"b": array}),
-        scratch.digest_arrays({"a": array.reshape(2, 3)}),
-        scratch.digest_arrays({"a": array.view(np.int32)}),
-        scratch.digest_arrays({"a": array + 1}),
-    ]
-    assert len(set(digests)) == len(digests)
-    columns = np.asfortranarray(array.reshape(2, 3))
-    assert scratch.digest_arrays({"a": columns}) == digests[2]

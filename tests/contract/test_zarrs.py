@@ -12,6 +12,7 @@ import pytest
 
 from pipeline.contract import zarrs
 from pipeline.contract.errors import BelvedereError
+from tests.stores import write_store
 
 REPEATS, EPISODES, FRAMES = 2, 3, 4
 
@@ -30,7 +31,7 @@ def rollouts(seed: int = 0) -> dict[str, np.ndarray]:
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    zarrs.write(tmp_path / "a.zarr", zarrs.ROLLOUTS, rollouts(), {"scene": "panda_2dof"})
+    write_store(tmp_path / "a.zarr", zarrs.ROLLOUTS, rollouts(), {"scene": "panda_2dof"})
     return tmp_path / "a.zarr"
 
 
@@ -46,8 +47,8 @@ def digests(path: Path) -> dict[str, str]:
     }
 
 
-def shards(path: Path, array: str) -> list[Path]:
-    return sorted(file for file in (path / array / "c").rglob("*") if file.is_file())
+def shards(path: Path, array: str, repeat: int = 0) -> list[Path]:
+    return sorted(file for file in (zarrs.place(path, repeat) / array / "c").rglob("*") if file.is_file())
 
 
 def test_arrays_and_attributes_come_back(path: Path) -> None:
@@ -55,39 +56,39 @@ def test_arrays_and_attributes_come_back(path: Path) -> None:
     assert store.repeats == REPEATS
     assert store.attributes["scene"] == "panda_2dof"
     for name, array in rollouts().items():
-        assert store.shape(name) == array.shape
+        assert store.shape(name) == array.shape[1:]
         for repeat in range(REPEATS):
             np.testing.assert_array_equal(store.repeat(name, repeat), array[repeat])
 
 
 def test_equal_contents_are_equal_bytes(path: Path, tmp_path: Path) -> None:
-    zarrs.write(tmp_path / "b.zarr", zarrs.ROLLOUTS, rollouts(), {"scene": "panda_2dof"})
-    zarrs.write(tmp_path / "c.zarr", zarrs.ROLLOUTS, rollouts(seed=1), {"scene": "panda_2dof"})
+    write_store(tmp_path / "b.zarr", zarrs.ROLLOUTS, rollouts(), {"scene": "panda_2dof"})
+    write_store(tmp_path / "c.zarr", zarrs.ROLLOUTS, rollouts(seed=1), {"scene": "panda_2dof"})
     assert digests(path) == digests(tmp_path / "b.zarr")
     assert digests(path) != digests(tmp_path / "c.zarr")
 
 
-def test_a_repeat_is_one_shard_whatever_its_neighbours(path: Path, tmp_path: Path) -> None:
-    more = {name: np.concatenate([array, array[:1]]) for name, array in rollouts().items()}
-    zarrs.write(tmp_path / "b.zarr", zarrs.ROLLOUTS, more, {"scene": "panda_2dof"})
-    former, later = shards(path, "qpos"), shards(tmp_path / "b.zarr", "qpos")
-    assert (len(former), len(later)) == (REPEATS, REPEATS + 1)
-    for a, b in zip(former, later, strict=False):
-        assert a.read_bytes() == b.read_bytes()
+def test_one_more_repeat_leaves_the_others_as_they_are(path: Path) -> None:
+    former = digests(path)
+    more = {name: array[0] for name, array in rollouts(seed=1).items()}
+    zarrs.write(zarrs.place(path, REPEATS), zarrs.ROLLOUTS, more, {"scene": "panda_2dof"})
+    assert former.items() < digests(path).items()
+    assert opened(path).repeats == REPEATS + 1
+    np.testing.assert_array_equal(opened(path).repeat("qpos", REPEATS), more["qpos"])
 
 
 def test_large_arrays_are_split_into_shards_that_read_back(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(zarrs, "SHARD_BYTES", 2 * FRAMES * 9 * 4)  # two episodes of qpos
-    zarrs.write(tmp_path / "b.zarr", zarrs.ROLLOUTS, rollouts(), {})
-    assert len(shards(tmp_path / "b.zarr", "qpos")) == REPEATS * 2
+    write_store(tmp_path / "b.zarr", zarrs.ROLLOUTS, rollouts(), {})
+    assert len(shards(tmp_path / "b.zarr", "qpos", 1)) == 2
     np.testing.assert_array_equal(opened(tmp_path / "b.zarr").repeat("qpos", 1), rollouts()["qpos"][1])
 
 
 def test_names_units_and_axes_stand_in_the_store(path: Path) -> None:
     for name, column in zarrs.ROLLOUTS.items():
-        described = json.loads((path / name / "zarr.json").read_text(encoding="utf-8"))
+        described = json.loads((zarrs.place(path, 0) / name / "zarr.json").read_text(encoding="utf-8"))
         assert tuple(described["dimension_names"]) == column.dims
         assert described["attributes"]["unit"] == column.unit
         assert described["zarr_format"] == 3
@@ -97,14 +98,14 @@ def test_axes_that_disagree_are_refused_and_nothing_is_written(tmp_path: Path) -
     arrays = rollouts()
     arrays["tip"] = arrays["tip"][:, :, :-1]
     with pytest.raises(BelvedereError, match="axis frame is 3 long in array tip but 4 in qpos"):
-        zarrs.write(tmp_path / "b.zarr", zarrs.ROLLOUTS, arrays, {})
+        write_store(tmp_path / "b.zarr", zarrs.ROLLOUTS, arrays, {})
     assert list(tmp_path.iterdir()) == []
 
 
 def test_an_array_that_is_left_out_is_refused(tmp_path: Path) -> None:
     arrays = {name: array for name, array in rollouts().items() if name != "reward"}
     with pytest.raises(BelvedereError, match="array reward is missing"):
-        zarrs.write(tmp_path / "b.zarr", zarrs.ROLLOUTS, arrays, {})
+        write_store(tmp_path / "b.zarr", zarrs.ROLLOUTS, arrays, {})
 
 
 def test_a_missing_store_names_the_stage_that_makes_it(tmp_path: Path) -> None:
@@ -114,8 +115,17 @@ def test_a_missing_store_names_the_stage_that_makes_it(tmp_path: Path) -> None:
 
 def test_a_folder_that_is_no_store_is_refused(tmp_path: Path) -> None:
     (tmp_path / "note.txt").write_text("no store")
+    with pytest.raises(BelvedereError, match=r"it has no repeat_0\.zarr"):
+        opened(tmp_path)
+    zarrs.place(tmp_path, 0).mkdir()
     with pytest.raises(BelvedereError, match="no Zarr v3 group"):
         opened(tmp_path)
+
+
+def test_a_store_that_lacks_a_repeat_between_others_is_refused(path: Path) -> None:
+    shutil.rmtree(zarrs.place(path, 0))
+    with pytest.raises(BelvedereError, match=r"repeat_0\.zarr is no Zarr v3 group"):
+        opened(path)
 
 
 def test_a_store_of_another_stage_is_refused(tmp_path: Path) -> None:
@@ -126,21 +136,21 @@ def test_a_store_of_another_stage_is_refused(tmp_path: Path) -> None:
         "action": np.zeros((*shape, 2)),
         "reward": np.zeros(shape),
     }
-    zarrs.write(tmp_path / "a.zarr", zarrs.LATENTS, latents, {})
-    with pytest.raises(BelvedereError, match="it has no array qpos"):
+    write_store(tmp_path / "a.zarr", zarrs.LATENTS, latents, {})
+    with pytest.raises(BelvedereError, match="has no array qpos"):
         opened(tmp_path / "a.zarr")
 
 
 def test_a_store_of_another_format_is_refused(path: Path) -> None:
-    head = path / "zarr.json"
+    head = zarrs.place(path, 0) / "zarr.json"
     head.write_text(head.read_text().replace(f'"format": {zarrs.FORMAT}', '"format": 99'))
-    with pytest.raises(BelvedereError, match="its format is 99"):
+    with pytest.raises(BelvedereError, match=r"format of repeat_0\.zarr is 99"):
         opened(path)
 
 
 def test_an_array_of_another_type_is_refused(path: Path, tmp_path: Path) -> None:
     schema = dict(zarrs.ROLLOUTS) | {"reward": zarrs.Column(zarrs.ROLLOUTS["reward"].dims, "float64", "m")}
-    zarrs.write(tmp_path / "b.zarr", schema, rollouts(), {})
+    write_store(tmp_path / "b.zarr", schema, rollouts(), {})
     with pytest.raises(BelvedereError, match="array reward is float64, not float32"):
         opened(tmp_path / "b.zarr")
 
@@ -155,14 +165,14 @@ def test_a_truncated_shard_is_refused(path: Path, kept: int) -> None:
 
 
 def test_a_missing_shard_is_refused_rather_than_read_as_zeros(path: Path) -> None:
-    shards(path, "qpos")[1].unlink()
-    with pytest.raises(BelvedereError, match="array qpos lacks some of its data"):
+    shards(path, "qpos", 1)[0].unlink()
+    with pytest.raises(BelvedereError, match=r"array qpos of repeat_1\.zarr lacks some of its data"):
         opened(path).repeat("qpos", 1)
 
 
 def test_a_missing_array_is_refused(path: Path) -> None:
-    shutil.rmtree(path / "tip")
-    with pytest.raises(BelvedereError, match="it has no array tip"):
+    shutil.rmtree(zarrs.place(path, 0) / "tip")
+    with pytest.raises(BelvedereError, match="has no array tip"):
         opened(path)
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.machine import CORES_VARIABLE, cores
-from runner.__main__ import THREADS_VARIABLE, number_of_jobs, shares
+from pipeline.contract.machine import CORES_VARIABLE
+from runner.__main__ import default_jobs, number_of_jobs
 from tests.support import Clone
 
 
@@ -24,18 +26,15 @@ def test_the_front_door_says_so_in_one_sentence(clone: Clone, arguments: list[st
     assert done.stderr.startswith("error: --jobs ")
 
 
-@pytest.mark.parametrize("slots", [1, 2, 3, 1000])
-def test_together_the_processes_use_the_cores_that_there_are(
-    monkeypatch: pytest.MonkeyPatch, slots: int
-) -> None:
-    monkeypatch.delenv(CORES_VARIABLE, raising=False)
-    share = int(shares(slots, {})[CORES_VARIABLE])
-    assert share >= 1
-    assert share * slots <= cores() < (share + 1) * slots or share == 1
+def test_an_unknown_scene_is_told_with_those_that_there_are(clone: Clone) -> None:
+    clone.lend_environment()
+    told = clone.run("./run", "--jobs", "1", "panda_9dof", status=1).stderr
+    assert told.startswith("error: scene 'panda_9dof' is unknown; available: fetch_reach, panda_1dof")
 
 
-def test_what_the_user_set_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(CORES_VARIABLE, "7")
-    given = {CORES_VARIABLE: "7", THREADS_VARIABLE: "3", "OTHER": "x"}
-    assert shares(2, given) == given
-    assert shares(2, {CORES_VARIABLE: "7"})[THREADS_VARIABLE] == "7"
+def test_a_gpu_is_left_to_one_viewpoint_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(CORES_VARIABLE, "6")
+    monkeypatch.setattr("runner.__main__._NVIDIA", tmp_path / "none")
+    assert default_jobs() == 6
+    monkeypatch.setattr("runner.__main__._NVIDIA", tmp_path)
+    assert default_jobs() == 1

@@ -14,7 +14,8 @@ from tests.support import ROOT, Clone
 
 PARAMS = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
 BRANCHES = {"study", *PARAMS["viewpoints"]}
-FAN_IN = {f"ranking@{scene}" for scene in PARAMS["scenes"]} | {"alignment", "report"}
+SHARED = {f"{stage}@{scene}" for stage in ("rollouts", "anchors", "ranking") for scene in PARAMS["scenes"]}
+FAN_IN = {"alignment", "report"}
 
 
 @pytest.fixture(autouse=True)
@@ -34,18 +35,17 @@ def of(scene: str) -> set[str]:
     return {key for key, viewpoint in viewpoints.items() if viewpoint["scene"] == scene}
 
 
-def test_every_stage_is_in_one_job_or_where_branches_meet() -> None:
-    pipeline = read_pipeline([])
-    made = jobs(pipeline, branches())
+def test_every_stage_is_in_one_job_or_where_scenes_meet() -> None:
+    pipeline = read_pipeline(["dvc.yaml"])
+    made = jobs(pipeline, branches(), 0)
     assert sorted([*stages(made), *FAN_IN]) == sorted(pipeline.waits)
-    shared = {f"{stage}@{scene}" for stage in ("rollouts", "anchors") for scene in PARAMS["scenes"]}
-    assert {job.name for job in made} == BRANCHES | shared
+    assert {job.name for job in made} == BRANCHES | SHARED
     assert [job.name for job in made][:2] == [f"rollouts@{PARAMS['viewpoint']['scene']}", "study"]
 
 
 def test_a_job_waits_for_all_that_its_stages_need() -> None:
-    pipeline = read_pipeline([])
-    made = {job.name: job for job in jobs(pipeline, branches())}
+    pipeline = read_pipeline(["dvc.yaml"])
+    made = {job.name: job for job in jobs(pipeline, branches(), 0)}
     for job in made.values():
         known = set(stages(made[name] for name in job.after))
         for stage in job.stages:
@@ -54,23 +54,44 @@ def test_a_job_waits_for_all_that_its_stages_need() -> None:
 
 
 def test_a_target_brings_its_scene_only() -> None:
-    made = jobs(read_pipeline(["ranking@panda_1dof"]), branches())
-    assert {job.name for job in made} == of("panda_1dof") | {"rollouts@panda_1dof", "anchors@panda_1dof"}
+    made = jobs(read_pipeline(["ranking@panda_1dof"]), branches(), 3)
+    shared = {f"{stage}@panda_1dof" for stage in ("rollouts", "anchors", "ranking")}
+    assert {job.name for job in made} == of("panda_1dof") | shared
+    assert {job.place for job in made} == {3}
 
 
-def test_a_target_within_a_branch_brings_no_more_than_it_needs() -> None:
-    made = jobs(read_pipeline(["latents@study"]), branches())
-    scene = PARAMS["viewpoint"]["scene"]
-    assert stages(made) == [f"rollouts@{scene}", "frames@study", "vae@study", "latents@study"]
+def test_what_depends_on_the_number_of_repeats_is_known() -> None:
+    pipeline = read_pipeline(["dvc.yaml"])
+    episodes = {f"rollouts@{scene}" for scene in PARAMS["scenes"]}
+    assert pipeline.allocated == episodes | {f"frames@{key}" for key in BRANCHES}
 
 
 def test_what_is_done_gets_no_process() -> None:
-    waits = read_pipeline([]).waits
-    assert jobs(Pipeline(waits, frozenset()), branches()) == []
-    (alone,) = jobs(Pipeline(waits, frozenset({"vae@fetch_reach-c"})), branches())
-    assert alone.name == "fetch_reach-c" and alone.after == frozenset()
-    made = jobs(Pipeline(waits, frozenset({"rollouts@fetch_reach"})), branches())
-    assert {job.name for job in made} == of("fetch_reach") | {"rollouts@fetch_reach"}
+    waits = read_pipeline(["dvc.yaml"]).waits
+
+    def made(*changed: str) -> dict[str, Job]:
+        found = jobs(Pipeline(waits, frozenset(changed), frozenset()), branches(), 0)
+        return {job.name: job for job in found}
+
+    assert made() == {}
+    alone = made("vae@fetch_reach-c")
+    assert set(alone) == {"fetch_reach-c", "ranking@fetch_reach"}
+    assert alone["fetch_reach-c"].after == frozenset()
+    assert alone["ranking@fetch_reach"].after == {"fetch_reach-c"}
+    every = of("fetch_reach") | {"rollouts@fetch_reach", "ranking@fetch_reach"}
+    assert set(made("rollouts@fetch_reach")) == every
+
+
+def test_a_round_is_of_its_viewpoints_only() -> None:
+    pipeline = read_pipeline(["dvc.yaml"])
+    own = pipeline.of({"fetch_reach", "fetch_reach-a", "fetch_reach-d"}, pipeline.allocated)
+    made = {job.name: job.after for job in jobs(own, branches(), 0)}
+    assert made == {
+        "rollouts@fetch_reach": frozenset(),
+        "fetch_reach-a": {"rollouts@fetch_reach"},
+        "fetch_reach-d": {"rollouts@fetch_reach"},
+        "ranking@fetch_reach": {"fetch_reach-a", "fetch_reach-d"},
+    }
 
 
 @pytest.mark.parametrize("target", ["ranking@nowhere", "rankings"])
@@ -82,4 +103,4 @@ def test_an_unknown_target_is_told(target: str) -> None:
 def test_a_broken_dvc_yaml_is_told() -> None:
     Path("dvc.yaml").write_text("stages: [", encoding="utf-8")
     with pytest.raises(BelvedereError, match=r"dvc\.yaml"):
-        read_pipeline([])
+        read_pipeline(["dvc.yaml"])

@@ -7,13 +7,14 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import psutil
 import pytest
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.machine import CORES_VARIABLE
 from runner import schedule
 from runner.plan import Job
 from runner.schedule import Schedule
@@ -59,16 +60,21 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     program.write_text(DVC.format(python=sys.executable), encoding="utf-8")
     program.chmod(0o755)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(schedule, "DVC", (program.as_posix(),))
     return tmp_path
 
 
-def made(place: Path, slots: int) -> Schedule:
-    environment = os.environ | {"PATH": f"{place / 'bin'}{os.pathsep}{os.environ['PATH']}"}
-    return Schedule(slots, environment, place)
+def made(
+    place: Path,
+    slots: int,
+    cores: int | None = None,
+    more: Callable[[Job], Sequence[Job]] = lambda done: (),
+) -> Schedule:
+    return Schedule(slots, cores, os.environ, place, more)
 
 
-def job(name: str, *after: str) -> Job:
-    return Job(name, (f"first@{name}", f"second@{name}"), frozenset(after))
+def job(name: str, *after: str, place: int = 0) -> Job:
+    return Job(name, (f"first@{name}", f"second@{name}"), frozenset(after), place)
 
 
 def calls(place: Path) -> list[tuple[str, str]]:
@@ -92,6 +98,40 @@ def test_a_job_begins_when_those_before_it_are_done(place: Path) -> None:
     order = calls(place)
     for later, earlier in [("b", "a"), ("c", "a"), ("d", "b"), ("d", "c")]:
         assert order.index(("end", earlier)) < order.index(("begin", later))
+
+
+def test_jobs_that_come_of_others_run_and_those_of_a_lower_place_first(place: Path) -> None:
+    def more(done: Job) -> list[Job]:
+        return [job("a", place=0), job("c", "a", place=0)] if done.name == "b" and not again else []
+
+    again: list[str] = []
+
+    def once_more(done: Job) -> list[Job]:
+        found = more(done)
+        again.extend(done.name for _ in found)
+        return found
+
+    made(place, 1, more=once_more).run([job("a"), job("b", "a"), job("later", place=1)])
+    assert [name for what, name in calls(place) if what == "begin"] == ["a", "b", "a", "c", "later"]
+
+
+@pytest.mark.parametrize(("cores", "jobs", "shares"), [(8, 1, ["8"]), (8, 2, ["4", "4"]), (1, 2, ["1", "1"])])
+def test_processes_share_out_the_cores(
+    place: Path, monkeypatch: pytest.MonkeyPatch, cores: int, jobs: int, shares: list[str]
+) -> None:
+    monkeypatch.delenv(CORES_VARIABLE, raising=False)
+    found = []
+    schedule_ = made(place, 4, cores)
+    share = schedule_._share
+    monkeypatch.setattr(schedule_, "_share", lambda ready: found.append(share(ready)) or found[-1])
+    schedule_.run([job(str(index)) for index in range(jobs)])
+    assert [environment[CORES_VARIABLE] for environment in found] == shares
+    assert all(environment["OMP_NUM_THREADS"] == environment[CORES_VARIABLE] for environment in found)
+
+
+def test_what_the_user_set_stays(place: Path) -> None:
+    given = {CORES_VARIABLE: "7", "OTHER": "x"}
+    assert Schedule(2, None, given, place, lambda done: ())._share(2) == given
 
 
 def test_a_process_runs_its_stages_in_their_order_and_what_it_says_is_in_its_log(place: Path) -> None:

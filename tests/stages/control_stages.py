@@ -12,6 +12,7 @@ from pipeline.contract import params, zarrs
 from pipeline.learning import checkpoints
 from pipeline.worldmodel.mdnrnn import MdnRnn, save_mdnrnn
 from pipeline.worldmodel.vae import Vae
+from tests.stores import write_store
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE, ACTIONS = "panda_2dof", 2
@@ -19,8 +20,8 @@ VIEW = {"scene": SCENE, "theta": 45.0, "phi": 15.0}
 EPISODES, FRAMES = 6, 4
 
 
-def write_params(folder: Path, repeats: int = 1, generations: int = 2, seed: int = 1) -> None:
-    """The repository's params.yaml with short episodes and few of them."""
+def write_params(folder: Path, generations: int = 2, seed: int = 1) -> None:
+    """The repository's params.yaml with short episodes and few of them; two repeats before any comparison."""
     tree = yaml.safe_load(
         (Path(__file__).resolve().parents[2] / params.PARAMS_FILE).read_text(encoding="utf-8")
     )
@@ -36,7 +37,7 @@ def write_params(folder: Path, repeats: int = 1, generations: int = 2, seed: int
     tree["anchors"] = {"sigma": 0.2, "diagonal": False, "hold_frames": 2}
     tree["budget"], tree["seed"] = "short", seed
     tree["budgets"]["short"] = {
-        "repeats": repeats,
+        "race": {"first": 2, "most": 3},
         "controller": search,
         "anchors": {**search, "generations": 1},
         "evaluation": {"episodes": 4},
@@ -61,5 +62,5 @@ def write_latents(folder: Path, repeats: int = 1) -> dict[str, Path]:
         name: np.stack([r.standard_normal((EPISODES, FRAMES, *shape)) for r in rng])
         for name, shape in shapes.items()
     }
-    zarrs.write(folder / "latents.zarr", zarrs.LATENTS, arrays, {})
-    return {"latents": Path("latents.zarr")}
+    write_store(folder / "latents", zarrs.LATENTS, arrays, {})
+    return {"latents": Path("latents")}

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -21,8 +22,8 @@ OUTS = {"out": Path("controller"), "curve": Path("curve.csv")}
 
 
 def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    models = write_world_model(workplace, repeats=2) | write_latents(workplace, repeats=2)
-    write_params(workplace, repeats=1)
+    models = write_world_model(workplace, repeats=2) | write_latents(workplace, repeats=1)
+    write_params(workplace)
     controller.main(**VIEW, **models, **OUTS)
     first = (workplace / "controller/repeat_0.npz").read_bytes()
     curve = pl.read_csv(workplace / "curve.csv")
@@ -31,7 +32,7 @@ def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: p
     calls = []
     start = loop.Loop.start
     monkeypatch.setattr(loop.Loop, "start", lambda *arguments: calls.append(1) or start(*arguments))
-    write_params(workplace, repeats=2)
+    write_latents(workplace, repeats=2)
     controller.main(**VIEW, **models, **OUTS)
     assert len(calls) == 2
     assert (workplace / "controller/repeat_0.npz").read_bytes() == first
@@ -43,14 +44,16 @@ def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: p
 def test_repeats_that_evolve_together_equal_those_that_evolve_one_by_one(
     workplace: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    models = write_world_model(workplace, repeats=3) | write_latents(workplace, repeats=3)
+    models = write_world_model(workplace, repeats=3)
+    write_params(workplace)
     outs = {name: workplace / path for name, path in OUTS.items()}
     found = []
     for scratch, steps in (("together", (3,)), ("one by one", (1, 2, 3))):
         monkeypatch.setenv("BELVEDERE_SCRATCH", str(workplace / scratch))
         for repeats in steps:
-            write_params(workplace, repeats=repeats)
-            controller.main(**VIEW, **models, **OUTS)
+            shutil.rmtree(workplace / "latents", ignore_errors=True)
+            latents = write_latents(workplace, repeats=repeats)
+            controller.main(**VIEW, **models, **latents, **OUTS)
         controllers = [outs["out"] / f"repeat_{repeat}.npz" for repeat in range(3)]
         found.append([path.read_bytes() for path in (*controllers, outs["curve"])])
     assert found[0] == found[1]
@@ -68,7 +71,7 @@ def test_a_missing_world_model_leaves_nothing_behind(workplace: Path) -> None:
 def test_missing_latents_are_named(workplace: Path) -> None:
     write_params(workplace)
     with pytest.raises(BelvedereError, match="dvc repro latents"):
-        controller.main(**VIEW, latents=Path("none.zarr"), vae=Path("vae"), mdnrnn=Path("mdnrnn"), **OUTS)
+        controller.main(**VIEW, latents=Path("none"), vae=Path("vae"), mdnrnn=Path("mdnrnn"), **OUTS)
     assert not (workplace / "controller").exists()
 
 

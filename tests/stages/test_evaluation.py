@@ -19,7 +19,7 @@ EPISODES, REPEATS = 4, 2
 
 @pytest.fixture
 def workplace(workplace: Path) -> Path:
-    write_params(workplace, repeats=REPEATS)
+    write_params(workplace)
     for repeat in range(REPEATS):
         save_controller(workplace / f"controller/repeat_{repeat}.npz", np.zeros(parameters(ACTIONS)))
     return workplace

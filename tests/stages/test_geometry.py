@@ -19,11 +19,11 @@ from pipeline.sim.scene import load_scene
 
 @pytest.fixture(scope="module")
 def rollouts(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("geometry") / "rollouts.zarr"
+    path = tmp_path_factory.mktemp("geometry") / "panda_2dof.json"
     process = params.section(ExplorationParams, "rollouts")
     with Progress(50, "rollouts") as progress:
         block = roll(load_scene("panda_2dof"), 12, process, np.random.default_rng(1), progress)
-    zarrs.write(path, zarrs.ROLLOUTS, {name: array[None] for name, array in block.items()}, {})
+    zarrs.write(zarrs.place(path.with_suffix(""), 0), zarrs.ROLLOUTS, block, {})
     return path
 
 
@@ -50,5 +50,5 @@ def test_a_view_past_the_scene_shows_nothing(rollouts: Path, tmp_path: Path) -> 
 
 def test_missing_rollouts_are_named(tmp_path: Path) -> None:
     with pytest.raises(BelvedereError, match="dvc repro rollouts@panda_2dof"):
-        measured(tmp_path / "none.zarr", tmp_path / "g.json", 0, 0)
+        measured(tmp_path / "none.json", tmp_path / "g.json", 0, 0)
     assert not (tmp_path / "g.json").exists()

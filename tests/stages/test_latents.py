@@ -24,13 +24,13 @@ def _float32(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_each_repeat_is_encoded_by_its_own_network(tmp_path: Path) -> None:
-    write_frames(tmp_path / "frames.zarr", repeats=2)
+    write_frames(tmp_path / "frames", repeats=2)
     networks = [initialised(seeded(repeat)) for repeat in range(2)]
     for repeat, network in enumerate(networks):
         checkpoints.save(tmp_path / f"repeat_{repeat}.pt", network.state_dict())
-    latents.main(frames=tmp_path / "frames.zarr", vae=tmp_path, out=tmp_path / "latents.zarr")
-    frames = zarrs.Store(tmp_path / "frames.zarr", zarrs.FRAMES, "frames")
-    store = zarrs.Store(tmp_path / "latents.zarr", zarrs.LATENTS, "latents")
+    latents.main(frames=tmp_path / "frames", vae=tmp_path, out=tmp_path / "latents")
+    frames = zarrs.Store(tmp_path / "frames", zarrs.FRAMES, "frames")
+    store = zarrs.Store(tmp_path / "latents", zarrs.LATENTS, "latents")
     assert store.attributes == frames.attributes
     for repeat, network in enumerate(networks):
         pictures = torch.from_numpy(frames.repeat("rgb", repeat)[1]).permute(0, 3, 1, 2).float() / 255
@@ -42,7 +42,7 @@ def test_each_repeat_is_encoded_by_its_own_network(tmp_path: Path) -> None:
 
 
 def test_a_missing_network_is_named(tmp_path: Path) -> None:
-    write_frames(tmp_path / "frames.zarr", repeats=1)
+    write_frames(tmp_path / "frames", repeats=1)
     with pytest.raises(BelvedereError, match=r"repeat_0\.pt is missing; `dvc repro vae`"):
-        latents.main(frames=tmp_path / "frames.zarr", vae=tmp_path, out=tmp_path / "latents.zarr")
-    assert not (tmp_path / "latents.zarr").exists()
+        latents.main(frames=tmp_path / "frames", vae=tmp_path, out=tmp_path / "latents")
+    assert not (tmp_path / "latents").exists()

@@ -13,9 +13,10 @@ from pipeline.contract import zarrs
 from pipeline.contract.errors import BelvedereError
 from pipeline.worldmodel.mdnrnn import load_mdnrnn
 from tests.stages.worldmodel_stages import Workplace
+from tests.stores import write_store
 
 REPEATS, EPISODES, FRAMES = 2, 20, 20
-FLAGS = ("--latents", "latents.zarr", "--out", "mdnrnn", "--metrics", "mdnrnn.json")
+FLAGS = ("--latents", "latents", "--out", "mdnrnn", "--metrics", "mdnrnn.json")
 
 
 def _write_latents(path: Path, broken: bool = False) -> None:
@@ -30,7 +31,7 @@ def _write_latents(path: Path, broken: bool = False) -> None:
         mean[0, 0, 0, 0] = np.nan
     reward = np.zeros((REPEATS, EPISODES, FRAMES))
     arrays = {"mean": mean, "log_variance": log_variance, "action": actions, "reward": reward}
-    zarrs.write(path, zarrs.LATENTS, arrays, {"scene": "panda_2dof", "theta_deg": 0.0, "phi_deg": 0.0})
+    write_store(path, zarrs.LATENTS, arrays, {"scene": "panda_2dof", "theta_deg": 0.0, "phi_deg": 0.0})
 
 
 def test_it_foretells_what_actions_do_and_the_same_on_two_cores(tmp_path: Path) -> None:
@@ -39,7 +40,7 @@ def test_it_foretells_what_actions_do_and_the_same_on_two_cores(tmp_path: Path) 
         place = Workplace(tmp_path / name, cores)
         place.root.mkdir()
         place.write_params(mdnrnn_epochs=15)
-        _write_latents(place.root / "latents.zarr")
+        _write_latents(place.root / "latents")
         place.run("mdnrnn", *FLAGS)
         written.append(place.bytes_of("mdnrnn", "mdnrnn.json"))
     assert written[0] == written[1]
@@ -52,7 +53,7 @@ def test_it_foretells_what_actions_do_and_the_same_on_two_cores(tmp_path: Path) 
 def test_numbers_that_are_none_are_refused(tmp_path: Path) -> None:
     place = Workplace(tmp_path)
     place.write_params()
-    _write_latents(tmp_path / "latents.zarr", broken=True)
+    _write_latents(tmp_path / "latents", broken=True)
     said = place.run("mdnrnn", *FLAGS, status=1)
     assert "error: mdnrnn: in epoch 1 the training loss is nan" in said
     assert "mdnrnn.schedule.learning_rate" in said
@@ -63,7 +64,7 @@ def test_numbers_that_are_none_are_refused(tmp_path: Path) -> None:
 def test_a_bad_size_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, value: object) -> None:
     place = Workplace(tmp_path)
     place.write_params(mdnrnn_epochs=value)  # type: ignore[arg-type]
-    _write_latents(tmp_path / "latents.zarr")
+    _write_latents(tmp_path / "latents")
     monkeypatch.chdir(tmp_path)
     with pytest.raises(BelvedereError, match=rf"budgets\.short\.mdnrnn\.epochs = {value!r} is not valid"):
-        mdnrnn.main(latents=Path("latents.zarr"), out=Path("mdnrnn"), metrics=Path("mdnrnn.json"))
+        mdnrnn.main(latents=Path("latents"), out=Path("mdnrnn"), metrics=Path("mdnrnn.json"))

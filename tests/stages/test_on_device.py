@@ -33,7 +33,7 @@ def test_they_do_what_they_do_on_the_cpu(
 ) -> None:
     """Of the first generation: later ones may part on an error of rounding."""
     models = write_world_model(workplace, repeats=2) | write_latents(workplace, repeats=2)
-    write_params(workplace, repeats=2, generations=1)
+    write_params(workplace, generations=1)
     curve, rows = stages(models)
     place, asked = torch.device(device), []
 

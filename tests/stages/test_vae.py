@@ -19,7 +19,7 @@ NO_TRAINING = "import pipeline.vae as vae; vae.fit = None"
 
 @pytest.fixture(scope="module")
 def frames(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("frames") / "frames.zarr"
+    path = tmp_path_factory.mktemp("frames") / "frames"
     write_frames(path, repeats=2)
     return path
 
@@ -66,7 +66,7 @@ def test_killed_and_continued_on_two_cores_it_ends_with_the_same_bytes(
 
 
 def test_more_repeats_train_only_the_added_ones(frames: Path, undisturbed: Workplace, tmp_path: Path) -> None:
-    more = tmp_path / "frames.zarr"
+    more = tmp_path / "frames"
     write_frames(more, repeats=3)
     place = Workplace(tmp_path)
     place.write_params(vae_epochs=EPOCHS)
@@ -87,9 +87,12 @@ def test_what_is_finished_is_not_trained_again(frames: Path, undisturbed: Workpl
 
 
 def test_a_truncated_store_is_refused_and_nothing_written(frames: Path, tmp_path: Path) -> None:
-    broken = tmp_path / "frames.zarr"
+    broken = tmp_path / "frames"
     shutil.copytree(frames, broken)
-    shard = max((f for f in (broken / "rgb").rglob("*") if f.is_file()), key=lambda f: f.stat().st_size)
+    shard = max(
+        (f for f in (broken / "repeat_1.zarr" / "rgb").rglob("*") if f.is_file()),
+        key=lambda f: f.stat().st_size,
+    )
     shard.write_bytes(shard.read_bytes()[:1000])
     place = Workplace(tmp_path)
     place.write_params()

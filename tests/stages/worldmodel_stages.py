@@ -17,6 +17,7 @@ from pipeline.sim.draws import draw_episodes
 from pipeline.sim.images import Images, target_pixels_unhidden
 from pipeline.sim.scene import load_scene
 from pipeline.sim.worlds import Worlds
+from tests.stores import write_store
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE, THETA_DEG, PHI_DEG = "panda_2dof", 45.0, 15.0
@@ -52,7 +53,7 @@ def write_frames(path: Path, repeats: int) -> None:
             target_pixels_unhidden(scene, view, places[:, 0], episodes.target_m)
         )
     attributes = {"scene": SCENE, "theta_deg": THETA_DEG, "phi_deg": PHI_DEG}
-    zarrs.write(path, zarrs.FRAMES, {name: np.stack(c) for name, c in columns.items()}, attributes)
+    write_store(path, zarrs.FRAMES, {name: np.stack(c) for name, c in columns.items()}, attributes)
 
 
 @dataclass(frozen=True)

@@ -37,6 +37,15 @@ def test_noise_comes_out_in_metres() -> None:
     assert errors["probe_linear_tip_to_target_m"] == pytest.approx(0.03, rel=0.05)
 
 
+def test_a_guess_errs_by_the_spread_of_what_it_guesses() -> None:
+    training, heldout = (_data(4000, seed, curve=False) for seed in (1, 2))
+    errors = probe(training, heldout, PARAMS, seed=1)
+    assert errors["guess_tip_m"] == pytest.approx(0.1 * np.sqrt(2), rel=0.05)
+    assert errors["guess_tip_to_target_m"] == pytest.approx(
+        np.sqrt(errors["guess_tip_m"] ** 2 + errors["guess_target_m"] ** 2), rel=0.05
+    )
+
+
 def test_a_curved_code_needs_the_network() -> None:
     errors = probe(_data(4000, 1, curve=True), _data(300, 2, curve=True), PARAMS, seed=1)
     assert errors["probe_linear_target_m"] > 0.1

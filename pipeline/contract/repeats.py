@@ -1,4 +1,4 @@
-"""Repeats: side by side, each made once per inputs, parameters, code and machine kind (no torch here)."""
+"""Repeats, each made once per inputs, parameters, code and machine kind, and how they are published."""
 
 from __future__ import annotations
 
@@ -6,21 +6,15 @@ import hashlib
 import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import FIRST_EXCEPTION, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from multiprocessing import active_children, get_context
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from pipeline.contract import scratch
+from pipeline.contract import scratch, zarrs
 from pipeline.contract.artefacts import read_json, write_json, writing
-from pipeline.contract.machine import CORES_VARIABLE, cores
-from pipeline.contract.stage import WORKER, die_with_parent
-
-Result = TypeVar("Result")
 
 PACKAGE = Path(__file__).resolve().parents[1]
-_LOOK_EVERY_S = 0.5
+REPEAT = "repeat.zarr"  # of a store, in the folder of a repeat's results
 
 
 def code_digest(*parts: str) -> str:
@@ -36,53 +30,6 @@ def code_digest(*parts: str) -> str:
             hasher.update(file.relative_to(PACKAGE).as_posix().encode() + b"\0")
             hasher.update(file.read_bytes() + b"\0")
     return hasher.hexdigest()
-
-
-def side_by_side(make: Callable[[int], Result], repeats: int) -> list[Result]:
-    """``make(repeat)`` of each repeat, as many at a time as there are cores, each in one thread.
-
-    Networks this small gain little from a second thread and repeats need nothing of each other; torch
-    releases the interpreter's lock in its operations.
-    """
-    pool = ThreadPoolExecutor(min(repeats, cores()), WORKER)
-    try:
-        return _results([pool.submit(make, repeat) for repeat in range(repeats)])
-    finally:  # after a failure or Ctrl-C nobody waits for the others
-        pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _results(futures: Sequence[Future[Result]]) -> list[Result]:
-    """The futures' results, or what the first to fail raises, as soon as it does."""
-    pending = set(futures)
-    while pending:  # in short waits, as a Ctrl-C that comes just before one begins would not end it
-        done, pending = wait(pending, _LOOK_EVERY_S, FIRST_EXCEPTION)
-        for future in done:
-            future.result()
-    return [future.result() for future in futures]
-
-
-def in_processes(make: Callable[[int], Result], repeats: int) -> list[Result]:
-    """The same, each repeat in a process of its own: for what draws from generators that a process shares.
-
-    ``make`` and its results go through pickle. One repeat at a time needs no other process.
-    """
-    workers = min(repeats, cores())
-    if workers <= 1:
-        return [make(repeat) for repeat in range(repeats)]
-    share = max(1, cores() // workers)
-    with ProcessPoolExecutor(workers, get_context("spawn"), _begin_process, (share,)) as pool:
-        try:
-            return _results([pool.submit(make, repeat) for repeat in range(repeats)])
-        except BaseException:
-            for process in active_children():  # or the pool would wait for them
-                process.terminate()
-            raise
-
-
-def _begin_process(share: int) -> None:
-    """Runs first in each process of :func:`in_processes`."""
-    die_with_parent()
-    os.environ[CORES_VARIABLE] = str(share)
 
 
 @dataclass(frozen=True)
@@ -148,6 +95,24 @@ def _make_missing(homes: Mapping[int, Path], make: Callable[[Mapping[int, Place]
         place.results.replace(homes[repeat] / "results")
     for home in homes.values():
         shutil.rmtree(home / "running", ignore_errors=True)
+
+
+def publish_store(out: Path, results: Sequence[Path]) -> None:
+    """Writes a store of the repeats' results, each a folder that holds one repeat as ``repeat.zarr``.
+
+    Files are linked rather than copied where the file system can: nothing changes them in place.
+    """
+    with writing(out) as folder:
+        folder.mkdir()
+        for repeat, result in enumerate(results):
+            shutil.copytree(result / REPEAT, zarrs.place(folder, repeat), copy_function=_link)
+
+
+def _link(source: str, target: str) -> None:
+    try:
+        os.link(source, target)
+    except OSError:  # another file system, or one without links
+        shutil.copy2(source, target)
 
 
 def publish(

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.learning.repeats import Place, branch_metrics, code_digest, finished, finished_together
+from pipeline.contract.repeats import Place, branch_metrics, code_digest, finished, finished_together
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -86,7 +86,7 @@ SLOW_AND = """
 import pathlib, sys, time
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.stage import entry
-from pipeline.learning.repeats import in_processes, side_by_side
+from pipeline.learning.side_by_side import in_processes, side_by_side
 
 what, how, failing = sys.argv[1:4]
 begun = pathlib.Path(sys.argv[4])
@@ -143,7 +143,7 @@ def test_nobody_waits_for_the_other_repeats(what: str, how: str, failing: str, t
 def test_two_processes_that_want_the_same_repeat_make_it_once(tmp_path: Path) -> None:
     script = textwrap.dedent("""
         import pathlib, sys, time
-        from pipeline.learning.repeats import finished
+        from pipeline.contract.repeats import finished
 
         def make(results, running):
             with open(sys.argv[1], "a") as made:

@@ -1,0 +1,63 @@
+"""A branch's repeats side by side, in threads or in processes (no torch here)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_EXCEPTION, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
+from multiprocessing import active_children, get_context
+from typing import TypeVar
+
+from pipeline.contract.machine import CORES_VARIABLE, cores
+from pipeline.contract.stage import WORKER, die_with_parent
+
+Result = TypeVar("Result")
+
+_LOOK_EVERY_S = 0.5
+
+
+def side_by_side(make: Callable[[int], Result], repeats: int) -> list[Result]:
+    """``make(repeat)`` of each repeat, as many at a time as there are cores, each in one thread.
+
+    Networks this small gain little from a second thread and repeats need nothing of each other; torch
+    releases the interpreter's lock in its operations.
+    """
+    pool = ThreadPoolExecutor(min(repeats, cores()), WORKER)
+    try:
+        return _results([pool.submit(make, repeat) for repeat in range(repeats)])
+    finally:  # after a failure or Ctrl-C nobody waits for the others
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _results(futures: Sequence[Future[Result]]) -> list[Result]:
+    """The futures' results, or what the first to fail raises, as soon as it does."""
+    pending = set(futures)
+    while pending:  # in short waits, as a Ctrl-C that comes just before one begins would not end it
+        done, pending = wait(pending, _LOOK_EVERY_S, FIRST_EXCEPTION)
+        for future in done:
+            future.result()
+    return [future.result() for future in futures]
+
+
+def in_processes(make: Callable[[int], Result], repeats: int) -> list[Result]:
+    """The same, each repeat in a process of its own: for what draws from generators that a process shares.
+
+    ``make`` and its results go through pickle. One repeat at a time needs no other process.
+    """
+    workers = min(repeats, cores())
+    if workers <= 1:
+        return [make(repeat) for repeat in range(repeats)]
+    share = max(1, cores() // workers)
+    with ProcessPoolExecutor(workers, get_context("spawn"), _begin_process, (share,)) as pool:
+        try:
+            return _results([pool.submit(make, repeat) for repeat in range(repeats)])
+        except BaseException:
+            for process in active_children():  # or the pool would wait for them
+                process.terminate()
+            raise
+
+
+def _begin_process(share: int) -> None:
+    """Runs first in each process of :func:`in_processes`."""
+    die_with_parent()
+    os.environ[CORES_VARIABLE] = str(share)

@@ -1,0 +1,116 @@
+"""The race: round by round, viewpoints that are still in it get more repeats, until there is an answer."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.contract import params
+from pipeline.contract.allocation import (
+    ALLOCATION_FILE,
+    Allocation,
+    Entry,
+    read_allocation,
+    write_allocation,
+)
+from pipeline.contract.artefacts import read_json
+from pipeline.contract.errors import BelvedereError
+from runner.plan import Job, Pipeline, jobs
+
+RANKINGS = Path("reports/rankings")
+ROUND = (
+    2  # repeats that a viewpoint gets at a time: starting a branch's stages costs about half of a training
+)
+
+
+def allocate() -> Allocation:
+    """The allocation for the parameters as they are, written where it was another.
+
+    Entries that count stay; a branch without one gets as many repeats as its scene; nobody has fewer than the
+    first.
+    """
+    budget, seed, first = params.budget(), params.seed(), params.first_repeats()
+    views = {"study": params.value("viewpoint"), **(params.value("viewpoints") or {})}
+    former = read_allocation() if ALLOCATION_FILE.is_file() else None
+    if former and (former.budget, former.seed) != (budget, seed):
+        former = None
+    scenes = dict.fromkeys(params.value("scenes"), first)
+    if former:
+        scenes |= {name: max(first, count) for name, count in former.scenes.items() if name in scenes}
+    entries = {}
+    for key, view in views.items():
+        entry = former.branches.get(key) if former else None
+        same = entry and entry.model_dump(exclude={"repeats"}) == view
+        count = entry.repeats if entry and same else scenes.get(view["scene"], first)
+        entries[key] = Entry(**view, repeats=max(first, count))
+    found = Allocation(budget=budget, seed=seed, scenes=scenes, branches=entries)
+    if former != found:
+        write_allocation(found)
+    return found
+
+
+def grown(allocation: Allocation, scene: str, active: Collection[str], repeats: int) -> Allocation:
+    """The allocation in which the active branches of a scene have at least so many repeats."""
+    entries = {
+        key: entry.model_copy(update={"repeats": max(repeats, entry.repeats)}) if key in active else entry
+        for key, entry in allocation.branches.items()
+    }
+    scenes = allocation.scenes | {scene: max(repeats, allocation.scenes[scene])}
+    return allocation.model_copy(update={"scenes": scenes, "branches": entries})
+
+
+@dataclass
+class Race:
+    """What is left to do until each scene has its answer.
+
+    Attributes:
+        pipeline: the stages behind the scenes' rankings, as they were before anything ran.
+        branches: the names of the branches.
+        scenes: in the order in which their answers are wanted.
+        cores: of the machine; a round gives work to all of them.
+        allocation: how many repeats each branch has been given.
+    """
+
+    pipeline: Pipeline
+    branches: Collection[str]
+    scenes: Sequence[str]
+    cores: int
+    allocation: Allocation
+
+    def begin(self) -> list[Job]:
+        """What dvc.lock lacks, and the next round of the scenes that lack nothing but have no answer."""
+        first = []
+        for place, scene in enumerate(self.scenes):
+            behind = self.pipeline.of({scene, *self._keys(scene)}, self.pipeline.changed)
+            first += jobs(behind, self.branches, place) or self.next_round(scene)
+        return first
+
+    def more(self, job: Job) -> list[Job]:
+        """The next round of a scene, once its ranking is made; nothing after other jobs."""
+        scene = next((s for s in self.scenes if job.name == f"ranking@{s}"), None)
+        return self.next_round(scene) if scene else []
+
+    def next_round(self, scene: str) -> list[Job]:
+        """Says how the scene's race stands; gives the viewpoints in it more repeats if it is open."""
+        ranking = read_json(RANKINGS / f"{scene}.json", f"ranking@{scene}")
+        race = ranking["race"]
+        if not race["open"]:
+            print(f"{scene}: {ranking['answer']['sentence']}", flush=True)
+            return []
+        print(ranking["answer"]["progress"], flush=True)
+        active = set(race["active"])
+        step = max(ROUND, self.cores // len(active))
+        given = grown(self.allocation, scene, active, min(ranking["most"], race["common"] + step))
+        if given == self.allocation:
+            raise BelvedereError(
+                f"the race of {scene} is open, but {', '.join(sorted(active))} have all repeats that "
+                f"{ALLOCATION_FILE} can give them; run `dvc repro ranking@{scene}`."
+            )
+        write_allocation(given)
+        self.allocation = given
+        round_ = self.pipeline.of({scene, *active}, self.pipeline.allocated)
+        return jobs(round_, self.branches, self.scenes.index(scene))
+
+    def _keys(self, scene: str) -> list[str]:
+        return [key for key, entry in self.allocation.branches.items() if entry.scene == scene]

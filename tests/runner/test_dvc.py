@@ -1,0 +1,54 @@
+"""DVC with the faster parser reads and writes what DVC alone does."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+import yaml
+from dvc.utils.serialize import _yaml
+
+from runner.dvc import Loader
+from tests.support import ROOT, Clone, ran
+
+WORDS = ["no", "on", "y", "null", "~", "0o17", "0x1f", "030", "1_000", "12:30"]
+WORDS += ["1e5", "1e-05", "1.", ".5", "-.inf", "1_0.5", "+7", "-"]
+VALUES = [None, True, -3, 1e-05, 1e300, 0.1, -math.inf, "", "a b", "ä", "- x", "a: b", "#", "it's", *WORDS]
+
+
+@pytest.mark.parametrize("name", ["dvc.yaml", "params.yaml", "data/allocation.yaml", "dvc.lock"])
+def test_our_files_are_read_alike(name: str) -> None:
+    text = (ROOT / name).read_text(encoding="utf-8")
+    slow = _yaml.parse_yaml(text, name)
+    assert yaml.load(text, Loader) == slow and slow
+    assert repr(yaml.load(text, Loader)) == repr(slow)  # types, too: 1 and 1.0 are equal
+
+
+def test_what_dvc_writes_comes_back() -> None:
+    written = {str(index): value for index, value in enumerate(VALUES)}
+    assert repr(yaml.load(_yaml.dumps_yaml(written), Loader)) == repr(written)
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_plain_words_are_read_alike(word: str) -> None:
+    assert repr(yaml.load(f"a: {word}", Loader)) == repr(_yaml.parse_yaml(f"a: {word}", "params.yaml"))
+
+
+def test_a_stage_leaves_the_same_lock(clone: Clone) -> None:
+    params = clone.root / "params.yaml"
+    params.write_text(params.read_text(encoding="utf-8").replace("budget: quick", "budget: tiny"))
+    locks = []
+    for command in (["dvc"], ["python", "-m", "runner.dvc"]):
+        words = ("repro", "--no-run-cache", "rollouts@panda_1dof", "rollouts@panda_2dof")
+        told = clone.run(*command, *words, timeout_s=600)
+        assert "rollouts@panda_1dof" in ran(told.stdout)
+        locks.append((clone.root / "dvc.lock").read_bytes())
+        (clone.root / "dvc.lock").unlink()
+    assert locks[0] == locks[1]
+
+
+def test_a_broken_file_is_told_in_dvcs_words(clone: Clone) -> None:
+    Path(clone.root / "params.yaml").write_text("a: [", encoding="utf-8")
+    told = clone.run("python", "-m", "runner.dvc", "repro", status=255).stderr
+    assert "params.yaml" in told and "Traceback" not in told
