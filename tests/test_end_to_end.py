@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import polars as pl
+import psutil
 import pytest
 import yaml
 
@@ -29,13 +30,17 @@ def set_param(clone: Clone, **values: object) -> None:
     path.write_text(text, encoding="utf-8")
 
 
-def test_one_scene_from_nothing_to_a_ranking_and_a_report(clone: Clone) -> None:
+def test_one_scene_from_nothing_to_an_answer_and_a_report(clone: Clone) -> None:
     clone.lend_environment()
     set_param(clone, budget="tiny")
-    first = clone.run("./run", "dvc", "repro", "ranking@panda_2dof", timeout_s=900)
-    assert {f"evaluation@{key}" for key in BRANCHES} <= ran(first.stdout)
+    first = clone.run("./run", "panda_2dof", timeout_s=900).stdout
     ranking = json.loads((clone.root / "reports/rankings/panda_2dof.json").read_text())
     assert set(ranking["viewpoints"]) == BRANCHES
+    assert not ranking["race"]["open"]
+    assert first.splitlines()[-1] == f"panda_2dof: {ranking['answer']['sentence']}"
+    allocation = yaml.safe_load((clone.root / "data/allocation.yaml").read_text())
+    repeats = {key: view["repeats"] for key, view in ranking["viewpoints"].items()}
+    assert repeats == {key: allocation["branches"][key]["repeats"] for key in BRANCHES}
     for key in BRANCHES:
         folder = clone.root / "reports/branches/panda_2dof" / key
         evaluation = json.loads((folder / "evaluation.json").read_text())
@@ -45,13 +50,16 @@ def test_one_scene_from_nothing_to_a_ranking_and_a_report(clone: Clone) -> None:
         curve = pl.read_csv(folder / "controller.csv")
         assert curve.columns == ["repeat", "generation", "frames", "mean", "best"]
     starts = {
-        key: pl.read_parquet(clone.root / f"data/evaluation/panda_2dof/{key}.parquet").select("^target_.*$")
+        key: pl.read_parquet(clone.root / f"data/evaluation/panda_2dof/{key}.parquet")
+        .filter(pl.col("repeat") < 2)
+        .select("^target_.*$")
         for key in BRANCHES
     }
     assert all(table.equals(starts["study"]) for table in starts.values())  # the same for every viewpoint
 
-    again = clone.run("./run", "dvc", "repro", "ranking@panda_2dof", timeout_s=300)
-    assert not ran(again.stdout)
+    assert not ran(clone.run("./run", "dvc", "repro", "ranking@panda_2dof", timeout_s=300).stdout)
+    again = clone.run("./run", "panda_2dof", timeout_s=300).stdout
+    assert "begun" not in again and again.splitlines()[-1] == first.splitlines()[-1]
 
     subjects, held = "data/reference/subjects.csv", "reports/alignment.json"
     words = ("--subjects", subjects, "--rankings", "reports/rankings", "--out", held)
@@ -126,18 +134,18 @@ def test_killed_stages_continue_to_the_same_hashes_and_more_repeats_train_only_t
     assert tracked_hashes(clone) == undisturbed
 
     kept = {path.name for path in (clone.root / ".scratch/vae").iterdir()}
-    edit(clone, "params.yaml", "    repeats: 2 ", "    repeats: 3 ")
+    edit(clone, "data/allocation.yaml", "budget: quick", "budget: tiny")
     clone.run("dvc", "repro", "evaluation@study", timeout_s=900)
     assert len({path.name for path in (clone.root / ".scratch/vae").iterdir()} - kept) == 1
 
 
 @pytest.mark.slow
-def test_branches_side_by_side_give_the_lock_of_the_serial_run(clone: Clone, tmp_path: Path) -> None:
+def test_side_by_side_and_one_by_one_give_the_same_results(clone: Clone, tmp_path: Path) -> None:
     other = clone_repository(tmp_path / "another clone of it")
-    for each, words in ((clone, ("dvc", "repro")), (other, ("--jobs", "2"))):
+    for each, jobs in ((clone, "1"), (other, "2")):
         each.lend_environment()
         set_param(each, budget="tiny")
-        each.run("./run", *words, "ranking@panda_2dof", timeout_s=1800)
+        each.run("./run", "--jobs", jobs, "panda_2dof", timeout_s=1800)
     serial, parallel = (
         yaml.safe_load((each.root / "dvc.lock").read_text(encoding="utf-8")) for each in (clone, other)
     )
@@ -145,3 +153,38 @@ def test_branches_side_by_side_give_the_lock_of_the_serial_run(clone: Clone, tmp
     assert set(serial["stages"]) == set(parallel["stages"])
     assert {k: v for k, v in serial["stages"].items() if v != parallel["stages"][k]} == {}
     assert serial["schema"] == parallel["schema"]
+
+
+@pytest.mark.slow
+def test_a_run_that_is_killed_in_any_round_ends_with_the_same_results(clone: Clone, tmp_path: Path) -> None:
+    """In the first round, in a later one, and while a scene is ranked."""
+    undisturbed = clone_repository(tmp_path / "undisturbed")
+    for each in (clone, undisturbed):
+        each.lend_environment()
+        set_param(each, budget="tiny")
+        # a tolerance that no two repeats reach, so that there is a second round
+        edit(each, "params.yaml", "  tolerance: 0.05 ", "  tolerance: 0.0001 ")
+    undisturbed.run("./run", "panda_2dof", timeout_s=1800)
+    for sign in (".scratch/vae/*/results", "models/vae/*/repeat_2.pt", "reports/rankings/panda_2dof.json"):
+        kill_run(clone, sign)
+    clone.run("./run", "panda_2dof", timeout_s=1800)
+    assert tracked_hashes(clone) == tracked_hashes(undisturbed)
+    for name in ("data/allocation.yaml", "reports/rankings/panda_2dof.json"):
+        assert (clone.root / name).read_bytes() == (undisturbed.root / name).read_bytes()
+
+
+def kill_run(clone: Clone, sign: str) -> None:
+    """Starts `./run` and ends it and all that it started with -9 as soon as a path of that form is there."""
+    process = subprocess.Popen(
+        ["./run", "panda_2dof"],
+        cwd=clone.root,
+        env=clone._environment(),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    while process.poll() is None and not list(clone.root.glob(sign)):
+        time.sleep(0.05)
+    family = [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]
+    for member in family:
+        member.kill()
+    psutil.wait_procs(family)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -19,10 +20,13 @@ BRANCH_STAGES = ("frames", "geometry", "vae", "latents", "mdnrnn", "controller",
 
 # Inputs are the flags whose paths exist; all other paths are written.
 STAND_IN = """
-import hashlib, json, pathlib, sys
+import hashlib, json, pathlib, sys, yaml
 words = sys.argv[1:]
 paths = {flag: pathlib.Path(value) for flag, value in zip(words[::2], words[1::2]) if "/" in value}
 digest = hashlib.md5(" ".join(words).encode())
+if "--branch" in words:
+    allocation = yaml.safe_load(pathlib.Path("data/allocation.yaml").read_text())
+    digest.update(str(allocation["branches"][words[words.index("--branch") + 1]]).encode())
 inputs = {flag for flag in paths if paths[flag].exists() and flag not in ("--out", "--metrics", "--picture")}
 for flag in sorted(inputs):
     files = [paths[flag]] if paths[flag].is_file() else sorted(paths[flag].rglob("*"))
@@ -34,7 +38,8 @@ for path in (paths[flag] for flag in paths if flag not in inputs):
         path.mkdir()
         path = path / "content"
     number = int(digest.hexdigest()[:8], 16)
-    ranking = {"digest": number, "scene": path.stem, "verdict": {"sentence": str(number)}}
+    answer = {"sentence": str(number), "progress": ""}
+    ranking = {"digest": number, "scene": path.stem, "answer": answer, "race": {"open": False}}
     path.write_text(json.dumps(ranking) if path.suffix == ".json" else f"a,b\\n{number},{path}\\n")
 """
 
@@ -67,6 +72,24 @@ def test_nothing_changed_nothing_runs(done: Clone) -> None:
     assert ran(done.run("./run").stdout) == set()
 
 
+def test_one_more_repeat_of_one_viewpoint_runs_its_branch_and_draws_episodes(
+    done: Clone, tmp_path: Path
+) -> None:
+    done.run("git", "clone", "--quiet", done.root, tmp_path / "more")
+    fresh = Clone(tmp_path / "more")
+    fresh.lend_environment()
+    shutil.copytree(done.root / ".dvc" / "cache", fresh.root / ".dvc" / "cache")
+    fresh.run("dvc", "checkout", "--quiet")
+    path = fresh.root / "data/allocation.yaml"
+    allocation = yaml.safe_load(path.read_text(encoding="utf-8"))
+    allocation["branches"]["fetch_reach-c"]["repeats"] += 1
+    allocation["scenes"]["fetch_reach"] += 1
+    path.write_text(yaml.safe_dump(allocation), encoding="utf-8")
+    told = ran(fresh.run("./run", "dvc", "repro", timeout_s=1800).stdout)
+    grown = {f"{s}@fetch_reach-c" for s in BRANCH_STAGES} - {"geometry@fetch_reach-c", "dqn@fetch_reach-c"}
+    assert told == grown | {"rollouts@fetch_reach", "ranking@fetch_reach", "alignment", "report"}
+
+
 def test_study_runs_first(done: Clone) -> None:
     order = re.findall(r"Running stage '([^']+)'", done.run("dvc", "repro", "--dry", "--force").stdout)
     scene = PARAMS["viewpoint"]["scene"]
@@ -75,7 +98,8 @@ def test_study_runs_first(done: Clone) -> None:
 
 def test_side_by_side_gives_the_serial_lock_and_no_stage_runs_twice(done: Clone, tmp_path: Path) -> None:
     locks = {}
-    for name, words in {"serial": ("dvc", "repro"), "side by side": ("--jobs", "3")}.items():
+    ways = {"serial": ("dvc", "repro", "ranking@panda_2dof"), "side by side": ("--jobs", "3", "panda_2dof")}
+    for name, words in ways.items():
         done.run("git", "clone", "--quiet", done.root, tmp_path / name)
         fresh = Clone(tmp_path / name)
         fresh.lend_environment()
@@ -84,7 +108,7 @@ def test_side_by_side_gives_the_serial_lock_and_no_stage_runs_twice(done: Clone,
         assert params.count(former) == 1
         changed = params.replace(former, former.replace("phi: 0", "phi: 7"))
         (fresh.root / "params.yaml").write_text(changed, encoding="utf-8")
-        told = fresh.run("./run", *words, "ranking@panda_2dof", timeout_s=1800).stdout
+        told = fresh.run("./run", *words, timeout_s=1800).stdout
         logs = [file.read_text(encoding="utf-8") for file in (fresh.root / ".scratch/logs").glob("*.log")]
         runs = re.findall(r"Running stage '([^']+)'", "".join([told, *logs]))
         assert len(runs) == len(set(runs)) and branch("panda_2dof-b") | {"ranking@panda_2dof"} <= set(runs)
@@ -99,7 +123,7 @@ def test_a_stage_that_fails_beside_others_is_named(done: Clone, tmp_path: Path) 
     fresh.lend_environment()
     with (fresh.root / "pipeline" / "mdnrnn.py").open("a", encoding="utf-8") as stage:
         stage.write("raise SystemExit('no luck' if 'panda_2dof-a' in sys.argv[-1] else 0)\n")
-    failed = fresh.run("./run", "--jobs", "2", "ranking@panda_2dof", status=1, timeout_s=1800)
+    failed = fresh.run("./run", "--jobs", "2", "panda_2dof", status=1, timeout_s=1800)
     assert "error: panda_2dof-a failed" in failed.stderr and "no luck" in failed.stderr
     assert (
         "mdnrnn@panda_2dof-a" in failed.stderr and "Running stage 'ranking@panda_2dof'" not in failed.stdout
