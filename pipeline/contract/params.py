@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import yaml
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from pipeline.contract.errors import BelvedereError, unknown
 
@@ -67,22 +67,81 @@ def section(model: type[SectionT], *keys: str, path: Path = PARAMS_FILE) -> Sect
     Raises:
         BelvedereError: a key is missing, unknown, of a wrong type or out of range.
     """
-    where = ".".join(keys)
+    return _validated(model, ".".join(keys), value(*keys, path=path), path)
+
+
+def _validated(model: type[SectionT], where: str, tree: Any, path: Path) -> SectionT:
     try:
-        return model.model_validate(value(*keys, path=path))
+        return model.model_validate(tree)
     except ValidationError as error:
         first = error.errors()[0]
-        place = ".".join([where, *(str(part) for part in first["loc"])])
+        place = ".".join([*filter(None, [where]), *(str(part) for part in first["loc"])])
         raise BelvedereError(f"{path}: {place} = {first['input']!r} is not valid: {first['msg']}.") from None
 
 
-def budget_section(model: type[SectionT], noun: str, path: Path = PARAMS_FILE) -> SectionT:
-    """The sizes of ``noun`` (a stage) in the chosen budget."""
-    name = value("budget", path=path)
-    budgets = value("budgets", path=path)
+def budget_section(
+    model: type[SectionT], noun: str, scene: str | None = None, path: Path = PARAMS_FILE
+) -> SectionT:
+    """The sizes of ``noun`` (a stage) in the chosen budget.
+
+    Args:
+        model: the section's type.
+        noun: the stage.
+        scene: where the section has an entry ``scenes`` with an entry of this name, its values count
+            before the section's own.
+        path: the parameter file.
+    """
+    return _with_scene(model, ("budgets", budget(path), noun), scene, path)
+
+
+def scene_section(model: type[SectionT], *keys: str, scene: str, path: Path = PARAMS_FILE) -> SectionT:
+    """The section at ``keys``, whose entry ``scenes`` may have other values for ``scene``."""
+    return _with_scene(model, keys, scene, path)
+
+
+def _with_scene(model: type[SectionT], keys: tuple[str, ...], scene: str | None, path: Path) -> SectionT:
+    tree = value(*keys, path=path)
+    if not isinstance(tree, dict) or "scenes" not in tree:
+        return section(model, *keys, path=path)
+    own = {key: entry for key, entry in tree.items() if key != "scenes"}
+    others = tree["scenes"] if isinstance(tree["scenes"], dict) else {"scenes": tree["scenes"]}
+    return _validated(model, ".".join(keys), own | (others.get(scene) or {}), path)
+
+
+def budget(path: Path = PARAMS_FILE) -> str:
+    """The name of the chosen budget."""
+    name, budgets = value("budget", path=path), value("budgets", path=path)
     if name not in budgets:
         raise unknown(f"budget (in {path})", name, budgets)
-    return section(model, "budgets", name, noun, path=path)
+    return str(name)
+
+
+class Race(Section):
+    """Section ``budgets.*.race``: how many repeats (independent trainings) a viewpoint gets.
+
+    Attributes:
+        first: of every viewpoint, before any comparison.
+        most: of the viewpoints that stay in the race to its end.
+    """
+
+    first: Annotated[int, Field(ge=2)]
+    most: Annotated[int, Field(le=40)]
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Race:
+        if self.most < self.first:
+            raise ValueError(f"most ({self.most}) must not be less than first ({self.first})")
+        return self
+
+
+def race(path: Path = PARAMS_FILE) -> Race:
+    """How many repeats viewpoints get in the chosen budget."""
+    return budget_section(Race, "race", path=path)
+
+
+def first_repeats(path: Path = PARAMS_FILE) -> int:
+    """How many repeats every viewpoint has before any comparison."""
+    return race(path).first
 
 
 def repeats(path: Path = PARAMS_FILE) -> int:
