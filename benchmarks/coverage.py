@@ -1,7 +1,7 @@
-"""`./run python -m benchmarks.coverage`: how often a race's statements are right, into data/reference/coverage.csv.
+"""`./run python -m benchmarks.coverage`: how often a race is right, into data/reference/coverage.csv.
 
-One in 20 statements may be wrong. A training's residual has σ = 0.05 in score (a failing one falls 6 σ); the race
-goes from 3 to 20 repeats and ends at a tolerance of 0.05.
+One race in 20 may say something wrong. A training's residual has σ = 0.05 in score (a failing one falls 6 σ);
+the race goes from 3 to 20 repeats and ends at a tolerance of 0.05.
 """
 
 from __future__ import annotations
