@@ -13,8 +13,8 @@ from scipy import optimize, special, stats
 
 from pipeline.contract.errors import BelvedereError, unknown
 
-# Of each level: (most repeats of a race, one-sided tail of a look). Simulated: all looks from the third repeat on
-# err together in at most 1 - level of races, with one from the second on in up to 5.5 %; fewer looks err less.
+# Of each level: (most repeats of a race, one-sided tail of a look). Simulated: looks from the third repeat
+# on together err in at most 1 - level of races, with one from the second on in up to 5.5 %; fewer err less.
 TAILS = {0.95: ((20, 0.008), (40, 0.006))}
 _NODES, _MIDPOINTS = 61, 96
 _LARGEST = 1e6
