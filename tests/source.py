@@ -114,7 +114,7 @@ def _key_read(file: str, call: ast.Call) -> str | None:
     match reader:
         case "value":
             return ".".join(words)
-        case "section":
+        case "section" | "scene_section":
             return ".".join(words[1:])
         case "budget_section":
             return f"budgets.${{budget}}.{words[1]}"

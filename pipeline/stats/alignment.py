@@ -1,7 +1,8 @@
 """Do viewpoints that serve the machine serve people? Signs of differences, task by task.
 
 People's means and p-values come from a table of trials; ours from the rankings. The unit is the task: with
-three of them, three equal signs come by chance once in eight.
+three of them, three equal signs come by chance once in eight. Only tasks in which our direction is settled
+are counted; others lean.
 """
 
 from __future__ import annotations
@@ -40,9 +41,10 @@ class Compared(Trial):
     Attributes:
         p_holm: people's p-value after Holm's correction over all trials of the source.
         people_advantage: by how much the first view is better for people, share of the second's mean.
-        ours, low, high: by how much the first view's return is higher for the world model, with Tukey's
-            interval (m); ``None`` where a view was not ranked.
+        ours, low, high: by how much the first view's score is higher for the world model, with its interval;
+            ``None`` where a view was not ranked, or the judge cannot see there.
         same_sign: whether both prefer the same view; ``None`` where either does not say.
+        settled: whether our interval lies on one side of zero.
     """
 
     p_holm: float
@@ -51,17 +53,27 @@ class Compared(Trial):
     low: float | None
     high: float | None
     same_sign: bool | None
+    settled: bool
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """Of one measure: how many tasks' signs agree, and how likely that is by chance."""
+    """Of one measure: how many tasks' signs agree, and how likely that is by chance.
+
+    Attributes:
+        source, measure: of people's trials.
+        tasks: in which our direction is settled.
+        agree: of them, in which people's is the same.
+        chance: of as many or more, were each sign a coin's; ``None`` without a settled task.
+        leaning: tasks in which our direction is not settled.
+    """
 
     source: str
     measure: str
     tasks: int
     agree: int
-    chance: float
+    chance: float | None
+    leaning: int
 
 
 def compare(trials: Sequence[Trial], rankings: Mapping[str, Mapping[str, Any]]) -> list[Compared]:
@@ -77,16 +89,17 @@ def compare(trials: Sequence[Trial], rankings: Mapping[str, Mapping[str, Any]]) 
 
 def agreements(compared: Sequence[Compared]) -> list[Agreement]:
     """By source and measure, in the order in which they come."""
-    groups: dict[tuple[str, str], list[bool]] = {}
+    groups: dict[tuple[str, str], list[Compared]] = {}
     for row in compared:
         if row.same_sign is not None:
-            groups.setdefault((row.source, row.measure), []).append(row.same_sign)
-    return [
-        Agreement(
-            source, measure, len(signs), sum(signs), float(stats.binom.sf(sum(signs) - 1, len(signs), 0.5))
-        )
-        for (source, measure), signs in groups.items()
-    ]
+            groups.setdefault((row.source, row.measure), []).append(row)
+    return [_agreement(*names, rows) for names, rows in groups.items()]
+
+
+def _agreement(source: str, measure: str, rows: Sequence[Compared]) -> Agreement:
+    signs = [bool(row.same_sign) for row in rows if row.settled]
+    chance = float(stats.binom.sf(sum(signs) - 1, len(signs), 0.5)) if signs else None
+    return Agreement(source, measure, len(signs), sum(signs), chance, len(rows) - len(signs))
 
 
 def _compared(trial: Trial, p_holm: float, ranking: Mapping[str, Any] | None) -> Compared:
@@ -101,6 +114,7 @@ def _compared(trial: Trial, p_holm: float, ranking: Mapping[str, Any] | None) ->
         low=low,
         high=high,
         same_sign=same,
+        settled=low is not None and high is not None and (low > 0 or high < 0),
     )
 
 

@@ -6,19 +6,15 @@ repeats share cancels in a difference between views but not in a view's own mean
 errors of their own. The model takes the residuals as normal and equally spread in all views.
 
 Sources: D. C. Montgomery, Design and Analysis of Experiments, section 4.1 (the mean squares);
-F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110-114 (df of a sum of mean squares);
-J. W. Tukey's studentized range, as in R. G. Miller, Simultaneous Statistical Inference (1981), ch. 2.
+F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110-114 (df of a sum of mean squares).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from scipy import stats
-
-_NODES = (30.0, 60.0, float("inf"))  # degrees of freedom
 
 
 @dataclass(frozen=True)
@@ -45,16 +41,6 @@ class TwoWay:
     repeats: int
     within: Error | None
     residual: Error | None
-
-    def errors(self) -> dict[str, float | None]:
-        """Both errors by name: of a view's own mean (``pooled``), of differences (``residual``)."""
-        within, residual = self.within, self.residual
-        return {
-            "pooled_sd": within.sd if within else None,
-            "df": within.df if within else None,
-            "residual_sd": residual.sd if residual else None,
-            "residual_df": residual.df if residual else None,
-        }
 
 
 def two_way(values: np.ndarray) -> TwoWay:
@@ -96,30 +82,8 @@ def mean_half_width(fit: TwoWay, confidence: float) -> float | None:
     return quantile * fit.within.sd / fit.repeats**0.5
 
 
-def difference_half_width(fit: TwoWay, confidence: float) -> float | None:
-    """Half the width of Tukey's interval for a difference of two view means: q · s_residual / √R.
-
-    The intervals hold for all pairs at once, hence also for the comparisons with a best view that
-    the same data chose. With two views this is the paired t interval. ``None`` without an error.
-    """
-    if fit.residual is None:
-        return None
-    quantile = studentized_range(confidence, len(fit.means), fit.residual.df)
-    return quantile * fit.residual.sd / fit.repeats**0.5
-
-
-def studentized_range(confidence: float, means: int, df: float) -> float:
-    """Tukey's quantile q for so many means.
-
-    Above 30 degrees of freedom it is read off a parabola in 1/df through 30, 60 and infinity, which is
-    right to one part in 100,000 (a test); SciPy integrates anew for each.
-    """
-    if df <= _NODES[0]:
-        return _studentized_range(confidence, means, df)
-    values = [_studentized_range(confidence, means, node) for node in _NODES]
-    return float(np.polyval(np.polyfit([1 / node for node in _NODES], values, 2), 1 / df))
-
-
-@lru_cache(maxsize=1024)
-def _studentized_range(confidence: float, means: int, df: float) -> float:
-    return float(stats.studentized_range.ppf(confidence, means, df))
+def own_interval(values: np.ndarray, confidence: float) -> tuple[float, float | None, float | None]:
+    """A view's mean with the t interval of its repeats (repeat,) alone; no bounds with one repeat."""
+    fit = two_way(values[None, :])
+    mean, half = float(fit.means[0]), mean_half_width(fit, confidence)
+    return (mean, None, None) if half is None else (mean, mean - half, mean + half)

@@ -1,8 +1,8 @@
-"""A scene's results as the stages `evaluation` and `anchors` left them, checked and put in a table."""
+"""A scene's results as the stages `evaluation`, `vae` and `anchors` left them, checked and in one unit."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,15 +13,17 @@ from pipeline.contract import params
 from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.params import Section
+from pipeline.stats.reading import (
+    COMPARED,
+    COMPARED_WITH_ANCHORS,
+    by_repeat,
+    check_made_alike,
+    foreign,
+    made_with,
+)
+from pipeline.stats.sight import Sight, read_sight
 
-# Threads, processor and Python leave results alone (batches are bit-identical at any thread count);
-# these do not. The anchors have no network and no pictures, so only the physics has to agree.
-COMPARED = ("device", "gpu", "dtype", "torch", "mujoco", "mujoco_warp")
-COMPARED_WITH_ANCHORS = ("mujoco",)
-CHOSEN = ("device", "dtype")  # by the environment variables of these names
 ANCHORS = ("no_op", "blind", "expert")
-
-Table = dict[int, tuple[float, ...]]  # numbers by repeat
 
 
 class Branch(Section):
@@ -37,24 +39,52 @@ class Results:
     """A scene's results.
 
     Attributes:
-        branches: the viewpoints ranked, by key; each viewpoint once.
+        branches: the viewpoints, by key; each viewpoint once.
         duplicates: for each key, the other branches with the same viewpoint.
-        returns: (view, repeat) mean return of an episode, in the order of ``branches``.
-        anchors: ``no_op``, ``blind`` and ``expert``, each (repeat,) mean return of an episode.
+        returns: of each branch (repeat,) its mean return of an episode; repeats may differ in number.
+        sight: of each branch, whether the judge sees there.
+        anchors: ``no_op``, ``blind`` and ``expert``, each (repeat,) mean return of an episode, of the first
+            repeats only.
         made_with: how each branch's numbers were made, by key.
     """
 
     branches: dict[str, Branch]
     duplicates: dict[str, list[str]]
-    returns: np.ndarray
+    returns: dict[str, np.ndarray]
+    sight: dict[str, Sight]
     anchors: dict[str, np.ndarray]
     made_with: dict[str, dict[str, Any]]
 
     @property
-    def scores(self) -> np.ndarray:
-        """(view, repeat) share of the way from blind (0) to expert (1), within each repeat."""
-        blind, expert = self.anchors["blind"], self.anchors["expert"]
-        return (self.returns - blind) / (expert - blind)
+    def first(self) -> int:
+        """The repeats that every branch has."""
+        return len(self.anchors["blind"])
+
+    @property
+    def blind_m(self) -> float:
+        """The return at score 0."""
+        return float(self.anchors["blind"].mean())
+
+    @property
+    def unit_m(self) -> float:
+        """The return from score 0 to 1: fixed, since each repeat's own would add its scatter."""
+        return float(self.anchors["expert"].mean()) - self.blind_m
+
+    @property
+    def scores(self) -> dict[str, np.ndarray]:
+        """Of each branch (repeat,) its share of the way from target-blind (0) to the expert (1)."""
+        return {key: (own - self.blind_m) / self.unit_m for key, own in self.returns.items()}
+
+    @property
+    def seen(self) -> list[str]:
+        """The branches at which the judge sees."""
+        return [key for key in self.branches if not self.sight[key].misses]
+
+    def common(self, keys: Sequence[str]) -> np.ndarray:
+        """(view, repeat) scores of some branches over the repeats that all of them have."""
+        scores = self.scores
+        least = min(len(scores[key]) for key in keys)
+        return np.array([scores[key][:least] for key in keys])
 
 
 def scene_branches(
@@ -83,108 +113,79 @@ def scene_branches(
 
 
 def read_results(
-    scene: str, folder: Path, anchors: Path, mix: bool = False, path: Path = params.PARAMS_FILE
+    scene: str,
+    folder: Path,
+    anchors: Path,
+    first: int,
+    sight_share: float,
+    mix: bool = False,
+    path: Path = params.PARAMS_FILE,
 ) -> Results:
-    """Reads ``{folder}/{key}/evaluation.json`` of the scene's branches, and the anchors' file.
+    """Reads ``evaluation.json`` and ``vae.json`` of the scene's branches, and the anchors' file.
 
     Args:
         scene: the scene's name.
         folder: holds one folder per branch; those that params.yaml does not name are passed over.
         anchors: the scene's anchors.
+        first: repeats that every branch and the anchors have.
+        sight_share: see :func:`pipeline.stats.sight.read_sight`.
         mix: accept branches that were made differently.
         path: the parameter file.
 
     Raises:
-        BelvedereError: a file is missing or foreign, repeats differ, an expert is not above blind,
+        BelvedereError: a file is missing or foreign, repeats are lacking, an expert is not above blind,
             or the branches were made differently.
     """
     branches, duplicates = scene_branches(scene, path)
     read = {key: _read_branch(folder / key / "evaluation.json", key, branches[key]) for key in branches}
-    levels, anchors_with = _read_anchors(anchors, scene)
-    rows = {key: table for key, (table, _) in read.items()}
-    made_with = {key: made for key, (_, made) in read.items()}
-    _check_repeats({**rows, "anchors": levels})
+    levels, anchors_with = _read_anchors(anchors, scene, first)
+    returns = {key: values for key, (values, _) in read.items()}
+    made = {key: found for key, (_, found) in read.items()}
+    _check_repeats(returns, first)
     if not mix:
-        _check_made_alike(scene, made_with, COMPARED)
-        _check_made_alike(scene, {**made_with, "anchors": anchors_with}, COMPARED_WITH_ANCHORS)
-    repeats = sorted(levels)
-    returns = np.array([[rows[key][r][0] for r in repeats] for key in branches])
-    by_anchor = zip(ANCHORS, np.array([levels[r] for r in repeats]).T, strict=True)
-    return Results(branches, duplicates, returns, dict(by_anchor), made_with)
+        check_made_alike(scene, made, COMPARED)
+        check_made_alike(scene, {**made, "anchors": anchors_with}, COMPARED_WITH_ANCHORS)
+    sight = {key: read_sight(folder / key / "vae.json", key, first, sight_share) for key in branches}
+    return Results(branches, duplicates, returns, sight, dict(zip(ANCHORS, levels.T, strict=True)), made)
 
 
-def _read_branch(file: Path, key: str, branch: Branch) -> tuple[Table, dict[str, Any]]:
+def _read_branch(file: Path, key: str, branch: Branch) -> tuple[np.ndarray, dict[str, Any]]:
     made_by = f"evaluation@{key}"
     content = read_json(file, made_by)
     found = tuple(content.get(name) for name in ("scene", "theta_deg", "phi_deg"))
     meant = (branch.scene, branch.theta, branch.phi)
     if found != meant:
-        raise _foreign(file, f"it is of {found}, but params.yaml says {meant}", made_by)
-    return _by_repeat(file, content, ("return",), made_by), _made_with(file, content, made_by)
+        raise foreign(file, f"it is of {found}, but params.yaml says {meant}", made_by)
+    return by_repeat(file, content, ("return",), made_by)[:, 0], made_with(file, content, made_by)
 
 
-def _read_anchors(file: Path, scene: str) -> tuple[Table, dict[str, Any]]:
+def _read_anchors(file: Path, scene: str, first: int) -> tuple[np.ndarray, dict[str, Any]]:
+    """(repeat, anchor) returns, and what they were made with."""
     made_by = f"anchors@{scene}"
     content = read_json(file, made_by)
     if content.get("scene") != scene:
-        raise _foreign(file, f"it is of scene {content.get('scene')!r}, not {scene!r}", made_by)
-    levels = _by_repeat(file, content, ANCHORS, made_by)
+        raise foreign(file, f"it is of scene {content.get('scene')!r}, not {scene!r}", made_by)
+    levels = by_repeat(file, content, ANCHORS, made_by)
+    if len(levels) != first:
+        raise foreign(file, f"it has {len(levels)} repeats, but the budget's race.first is {first}", made_by)
     _check_expert(file, levels)
-    return levels, _made_with(file, content, made_by)
+    return levels, made_with(file, content, made_by)
 
 
-def _by_repeat(file: Path, content: Mapping[str, Any], names: tuple[str, ...], made_by: str) -> Table:
-    try:
-        table = {int(r["repeat"]): tuple(float(r[name]) for name in names) for r in content["repeats"]}
-        count = len(content["repeats"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise _foreign(file, f"its repeats lack a number ({error})", made_by) from None
-    if not table or len(table) < count:
-        raise _foreign(file, "its repeats are none or not distinct", made_by)
-    if not np.all(np.isfinite(list(table.values()))):
-        raise _foreign(file, f"a {' or '.join(names)} in its repeats is not finite", made_by)
-    return table
-
-
-def _made_with(file: Path, content: Mapping[str, Any], made_by: str) -> dict[str, Any]:
-    made_with = content.get("made_with")
-    if not isinstance(made_with, dict):
-        raise _foreign(file, "it does not say what it was made with", made_by)
-    return made_with
-
-
-def _check_repeats(tables: Mapping[str, Table]) -> None:
-    (first, table), *others = tables.items()
-    for key, other in others:
-        if other.keys() != table.keys():
+def _check_repeats(returns: dict[str, np.ndarray], first: int) -> None:
+    for key, values in returns.items():
+        if len(values) < first:
             raise BelvedereError(
-                f"{key} has repeats {sorted(other)} but {first} has {sorted(table)}, and only common "
-                f"repeats can be compared; `dvc repro` brings both to the budget's number."
+                f"{key} has {len(values)} repeats, but a view is compared from {first} on (the budget's "
+                f"race.first); `dvc repro evaluation@{key}` makes them."
             )
 
 
-def _check_made_alike(scene: str, made_with: Mapping[str, Mapping[str, Any]], names: tuple[str, ...]) -> None:
-    (first, here), *others = made_with.items()
-    for key, there in others:
-        for name in names:
-            if there.get(name) != here.get(name):
-                by = f"BELVEDERE_{name.upper()}={here.get(name)} " if name in CHOSEN else ""
-                raise BelvedereError(
-                    f"scene {scene} was made differently: {name} is {there.get(name)!r} for {key} but "
-                    f"{here.get(name)!r} for {first}; rerun one of them as the other was made "
-                    f"(`{by}dvc repro`), or set BELVEDERE_MIX=allow to rank them nevertheless."
-                )
-
-
-def _check_expert(file: Path, levels: Table) -> None:
-    for repeat, (_, blind, expert) in levels.items():
+def _check_expert(file: Path, levels: np.ndarray) -> None:
+    for repeat, (_, blind, expert) in enumerate(levels):
         if expert <= blind:
             raise BelvedereError(
-                f"{file}: in repeat {repeat} the expert returns {expert:g}, not more than blind "
+                f"{file}: in repeat {repeat} the expert returns {expert:g}, not more than target-blind "
                 f"({blind:g}), so sight has nothing to give and a score no meaning; widen the scene's "
                 f"targets in params.yaml, or mend the expert, and rerun the scene's anchors."
             )
-
-
-def _foreign(file: Path, why: str, made_by: str) -> BelvedereError:
-    return BelvedereError(f"{file} cannot be used: {why}; delete it and run `dvc repro {made_by}`.")

@@ -1,23 +1,33 @@
-"""The paper's findings held against ours: each agrees, contradicts, or cannot be told."""
+"""The paper's findings held against ours: which way a difference goes, whether it matters, and what follows.
+
+A direction is settled where the interval lies on one side of zero; a size is below the margin where the 90 %
+interval lies within it. A settled opposite direction contradicts a claim that one level is higher; a claim of
+no effect is contradicted only by an interval wholly beyond the margin.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import yaml
 from pydantic import TypeAdapter, ValidationError
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.params import Section
-from pipeline.stats.factorial import DIFFERS, NO_DIFFERENCE, NOT_SEPARATED, Difference
-from pipeline.stats.ranks import NOT_ABOVE_BLIND
+from pipeline.stats.factorial import NOT_SETTLED
+from pipeline.stats.ranks import UNSEEING
+from pipeline.stats.steps import Step
 
 AGREES = "agrees"
 CONTRADICTS = "contradicts"
+NOT_ABOVE_BLIND = "not above blind"
 NOT_RUN = "not run"
+SAME, OPPOSITE = "same", "opposite"
+LEANS_SAME, LEANS_OPPOSITE = "not settled, leans the same way", "not settled, leans the other way"
+MAY_MATTER = "may matter"
 
 
 class Claim(Section):
@@ -29,7 +39,7 @@ class Claim(Section):
         judge: ``world model``, ``dqn``, or the one over the other (their interaction).
         factor: ``theta`` or ``phi``.
         first_deg, second_deg: the levels compared; without them all pairs are meant.
-        finding: ``higher`` (the first level) or ``none`` (no difference).
+        finding: ``higher`` (the first of two levels) or ``none`` (no difference).
     """
 
     section: str
@@ -46,43 +56,36 @@ class Held(Claim):
 
     Attributes:
         difference, low, high: of the first level less the second, in normalised score, if one step decides.
-        outcome: ``agrees``, ``contradicts``, ``not separated``, ``not above blind`` or ``not run``.
+        direction: ``same``, ``opposite``, or ``not settled`` with the way it leans; ``None`` where the claim
+            has none (no effect) or nothing was found.
+        size: ``below`` the margin or ``may matter``; ``None`` where nothing was found or no margin is fixed.
+        outcome: ``agrees``, ``contradicts``, ``not settled``, ``cannot see``, ``not above blind`` or
+            ``not run``.
     """
 
     difference: float | None = None
     low: float | None = None
     high: float | None = None
+    direction: str | None = None
+    size: str | None = None
     outcome: str
 
 
 @dataclass(frozen=True)
-class Step(Difference):
-    """In normalised score, as a judge found it.
+class Judgement:
+    """What a judge found.
 
     Attributes:
-        word: what it is, see :func:`pipeline.stats.factorial.word`.
+        steps: between levels.
+        margin: differences in score within ± this are called none.
+        above_blind: whether it had learned anything: some view above target-blind.
+        unseen: (θ, φ) in degrees of views behind the steps at which the judge cannot see.
     """
 
-    word: str
-
-    def turned(self) -> Step:
-        """The same, second level less first."""
-        return replace(
-            self,
-            first_deg=self.second_deg,
-            second_deg=self.first_deg,
-            difference=-self.difference,
-            low=-self.high,
-            high=-self.low,
-        )
-
-
-@dataclass(frozen=True)
-class Judgement:
-    """What a judge found: its steps, and whether it had learned anything (some view above blind)."""
-
     steps: Sequence[Step]
+    margin: float
     above_blind: bool = True
+    unseen: Sequence[tuple[float, float]] = ()
 
 
 def read_claims(path: Path) -> list[Claim]:
@@ -116,10 +119,23 @@ def held(claims: Sequence[Claim], judges: Mapping[str, Judgement]) -> list[Held]
 
 def _held(claim: Claim, judgement: Judgement | None) -> Held:
     steps = _steps(claim, judgement.steps if judgement else ())
-    shown = {}
+    if judgement is None or not steps:
+        return Held(**claim.model_dump(), outcome=NOT_RUN)
+    shown: dict[str, Any] = {}
     if len(steps) == 1:
         shown = {name: getattr(steps[0], name) for name in ("difference", "low", "high")}
-    return Held(**claim.model_dump(), **shown, outcome=_outcome(claim, judgement, steps))
+    if _concerned(claim, judgement.unseen):
+        return Held(**claim.model_dump(), **shown, outcome=UNSEEING)
+    if not judgement.above_blind:
+        return Held(**claim.model_dump(), **shown, outcome=NOT_ABOVE_BLIND)
+    direction = _direction(steps[0]) if claim.finding == "higher" else None
+    return Held(
+        **claim.model_dump(),
+        **shown,
+        direction=direction,
+        size=_size(steps, judgement.margin),
+        outcome=_of_direction(direction) if direction else _of_no_effect(steps, judgement.margin),
+    )
 
 
 def _steps(claim: Claim, steps: Sequence[Step]) -> list[Step]:
@@ -132,16 +148,31 @@ def _steps(claim: Claim, steps: Sequence[Step]) -> list[Step]:
     return [way for way in both_ways if (way.first_deg, way.second_deg) == wanted]
 
 
-def _outcome(claim: Claim, judgement: Judgement | None, steps: Sequence[Step]) -> str:
-    if judgement is None or not steps:
-        return NOT_RUN
-    if not judgement.above_blind:
-        return NOT_ABOVE_BLIND
-    if claim.finding == "none":
-        if any(step.word == DIFFERS for step in steps):
-            return CONTRADICTS
-        return AGREES if all(step.word == NO_DIFFERENCE for step in steps) else NOT_SEPARATED
-    if all(step.low > 0 for step in steps):
-        return AGREES
-    against = any(step.high < 0 or step.word == NO_DIFFERENCE for step in steps)
-    return CONTRADICTS if against else NOT_SEPARATED
+def _concerned(claim: Claim, unseen: Sequence[tuple[float, float]]) -> bool:
+    """Whether the claim rests on one of these views."""
+    levels = {place[claim.factor == "phi"] for place in unseen}
+    return bool(levels if claim.first_deg is None else levels & {claim.first_deg, claim.second_deg})
+
+
+def _direction(step: Step) -> str:
+    if step.low > 0:
+        return SAME
+    if step.high < 0:
+        return OPPOSITE
+    return LEANS_SAME if step.difference > 0 else LEANS_OPPOSITE
+
+
+def _of_direction(direction: str) -> str:
+    return {SAME: AGREES, OPPOSITE: CONTRADICTS}.get(direction, NOT_SETTLED)
+
+
+def _size(steps: Sequence[Step], margin: float) -> str | None:
+    if any(step.narrow_low is None for step in steps):
+        return None
+    return f"below {margin:g}" if all(step.below(margin) for step in steps) else MAY_MATTER
+
+
+def _of_no_effect(steps: Sequence[Step], margin: float) -> str:
+    if any(step.beyond(margin) for step in steps):
+        return CONTRADICTS
+    return AGREES if all(step.below(margin) for step in steps) else NOT_SETTLED

@@ -1,7 +1,7 @@
-"""How often the intervals hold what they should, on populations that are normal and on some that are not.
+"""How often a race's statements are right, on populations that are normal and on some that are not.
 
-A table is simulated with views that are all alike, so that each difference is zero: an interval that
-leaves out zero is a false positive.
+The first view is a best one: it leads all others, which are alike, by a stated gap. Of a tie, gap 0, it
+counts as the best by a hair, so that to eliminate it is an error.
 """
 
 from __future__ import annotations
@@ -10,9 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
-from pipeline.stats.blocks import studentized_range
+from pipeline.stats.race import Error, Look, Rules, look, no_error, with_repeat
 
 Population = Callable[[np.random.Generator, tuple[int, ...]], np.ndarray]
 
@@ -36,61 +35,92 @@ POPULATIONS: dict[str, Population] = {"normal": normal, "skewed": skewed, "faili
 
 
 @dataclass(frozen=True)
-class Coverage:
-    """Shares of simulated tables.
+class Ends:
+    """How races ended; all arrays (race,).
 
     Attributes:
-        means: in which a view's interval holds its true mean (over views and tables).
-        differences: in which all intervals of differences hold zero; one less this is the rate of tables
-            with a false positive.
+        wrong: whether a best view was eliminated, or is further above the leader than U.
+        covered: whether the leader's true lead lies in its interval.
+        trainings: how many were made.
+        repeats: of the views that were left.
+        leader: index of the view that led.
+        within: U.
+        high: upper end of the leader's interval.
     """
 
-    means: float
-    differences: float
+    wrong: np.ndarray
+    covered: np.ndarray
+    trainings: np.ndarray
+    repeats: np.ndarray
+    leader: np.ndarray
+    within: np.ndarray
+    high: np.ndarray
 
 
-def simulate(
-    population: Population, views: int, repeats: int, tables: int, confidence: float, rng: np.random.Generator
-) -> Coverage:
-    """Simulates tables (view, repeat): the population's residuals, and normal shifts that repeats share.
-
-    The population's mean is zero; intervals are those of :mod:`pipeline.stats.blocks`, of all tables at once.
-    """
-    shifts = rng.standard_normal((tables, 1, repeats))
-    return covered(population(rng, (tables, views, repeats)) + shifts, confidence)
-
-
-def covered(values: np.ndarray, confidence: float) -> Coverage:
-    """Of tables (table, view, repeat) whose views all have mean zero."""
-    _, views, repeats = values.shape
-    means = values.mean(axis=2)
-    shift = values.mean(axis=1) - values.mean(axis=(1, 2))[:, None]
-    df_repeat, df_residual = repeats - 1, (views - 1) * (repeats - 1)
-    ms_repeat = views * (shift**2).sum(axis=1) / df_repeat
-    residual = values - means[..., None] - shift[:, None]
-    ms_residual = (residual**2).sum(axis=(1, 2)) / df_residual
-    parts = np.stack([ms_repeat, (views - 1) * ms_residual]) / views
-    variance = parts.sum(axis=0)
-    squares = (parts**2 / np.array([[df_repeat], [df_residual]])).sum(axis=0)
-    df = np.divide(variance**2, squares, out=np.ones_like(variance), where=squares > 0)  # 0: no scatter
-    half = stats.t.ppf((1 + confidence) / 2, df) * np.sqrt(variance / repeats)
-    gap = np.ptp(means, axis=1)  # the widest difference decides for all
-    widest = studentized_range(confidence, views, df_residual) * np.sqrt(ms_residual / repeats)
-    return Coverage(float((np.abs(means) <= half[:, None]).mean()), float((gap <= widest).mean()))
+def draw(
+    population: Population,
+    views: int,
+    gap: float,
+    spread: float,
+    races: int,
+    most: int,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """(race, view, repeat) residuals of the population times ``spread``, and shifts that repeats share."""
+    shifts = rng.standard_normal((races, 1, most))
+    values = spread * (population(rng, (races, views, most)) + shifts)
+    values[:, 0] += gap
+    return values
 
 
-def resampled(residuals: np.ndarray, tables: int, confidence: float, rng: np.random.Generator) -> Coverage:
-    """A/A: tables of views that are all alike, drawn from the residuals of a real one.
+def run(values: np.ndarray, means: np.ndarray, rules: Rules) -> Ends:
+    """All races at once.
 
     Args:
-        residuals: (view, repeat), of a real table less its views' means and its repeats' shifts.
-        tables: how many are drawn, each value with replacement from all residuals.
-        confidence: of the intervals.
-        rng: draws.
+        values: (race, view, repeat), each with rules.most repeats.
+        means: (view,) the true means, the first one a highest.
+        rules: of the races.
     """
-    return covered(rng.choice(residuals.reshape(-1), (tables, *residuals.shape)), confidence)
+    races, views, _ = values.shape
+    going, active = np.arange(races), np.ones((races, views), dtype=bool)
+    error, above = no_error((races,)), np.full((races, views, views), np.inf)
+    trainings, parts = np.zeros(races, dtype=int), []
+    for repeats in range(1, rules.most + 1):
+        seen = values[going, :, :repeats]
+        error = with_repeat(error, seen, active)
+        trainings[going] += active.sum(axis=1)
+        if repeats < rules.first:
+            continue
+        found = look(seen, active, error, views, rules.probability)
+        above[going] = np.where(_both(found), _upper(found), above[going])
+        done = (found.active.sum(axis=1) == 1) | (found.within <= rules.tolerance) | (repeats == rules.most)
+        parts.append((going[done], _ends(found, done, means, above[going], trainings[going])))
+        going, active = going[~done], found.active[~done]
+        error = Error(error.squares[~done], error.df[~done])
+        if not len(going):
+            break
+    order = np.argsort(np.concatenate([index for index, _ in parts]))
+    columns = zip(*[ends for _, ends in parts], strict=True)
+    return Ends(*(np.concatenate(column)[order] for column in columns))
 
 
-def residuals(values: np.ndarray) -> np.ndarray:
-    """What views and repeats leave of a table (view, repeat)."""
-    return values - values.mean(axis=1, keepdims=True) - values.mean(axis=0) + values.mean()
+def _both(found: Look) -> np.ndarray:
+    return np.asarray(found.entered[..., :, None] & found.entered[..., None, :])
+
+
+def _upper(found: Look) -> np.ndarray:
+    """(…, i, j) the most by which i can be above j."""
+    return np.asarray(found.means[..., :, None] - found.means[..., None, :] + found.half_widths)
+
+
+def _ends(
+    found: Look, done: np.ndarray, means: np.ndarray, above: np.ndarray, trainings: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """The fields of :class:`Ends` of the races that are done."""
+    leader, within = found.leader[done], found.within[done]
+    others = np.where(np.eye(len(means), dtype=bool), np.inf, above[done])
+    high = others[np.arange(len(leader)), leader].min(axis=1).clip(min=0.0)
+    true = np.where(leader == 0, means[0] - np.delete(means, 0).max(), means[leader] - means[0])
+    wrong = ~found.active[done, 0] | (means[0] - means[leader] > within)
+    covered = (-within <= true) & (true <= high)
+    return wrong, covered, trainings[done], np.full(len(leader), found.repeats), leader, within, high

@@ -29,12 +29,6 @@ class DqnResults:
     returns: np.ndarray
     restricted_expert: np.ndarray
 
-    def scores(self, blind: np.ndarray, expert: np.ndarray) -> np.ndarray:
-        """(view, repeat) share of the way from blind to the expert, anchors (repeat,) of at least as many."""
-        count = self.returns.shape[1]
-        low, high = blind[:count], expert[:count]
-        return np.asarray((self.returns - low) / (high - low))
-
 
 def read_dqn(folder: Path, keys: Sequence[str]) -> DqnResults | None:
     """Reads ``{folder}/{key}/dqn.json`` of the branches that have one with trained networks.

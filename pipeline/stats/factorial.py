@@ -1,6 +1,7 @@
 """Factorial effects of pan θ and tilt φ, where a scene's viewpoints form a full θ × φ grid.
 
 Values are those of a randomised complete block design (:mod:`pipeline.stats.blocks`): repeat r is a block.
+Its intervals are those of a fixed number of repeats; that a race may have chosen the number is not in them.
 The error of every effect is the design's residual, s² with (V - 1)(R - 1) degrees of freedom.
 
 Sources: D. C. Montgomery, Design and Analysis of Experiments, sections 4.1 and 5.3 (a factorial in
@@ -12,16 +13,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
 from scipy import stats
 
-from pipeline.stats.blocks import studentized_range, two_way
+from pipeline.stats.blocks import two_way
 
 DIFFERS = "differs"
 NO_DIFFERENCE = "no difference"
-NOT_SEPARATED = "not separated"
+NOT_SETTLED = "not settled"
 EQUIVALENCE_CONFIDENCE = 0.90  # of the interval that has to lie within the margin
 
 
@@ -73,7 +75,7 @@ class Effect(Difference):
     Attributes:
         equivalence_low, equivalence_high: the 90 % t interval that is held against the margin.
         se: standard error of the difference.
-        word: ``differs``, ``no difference`` or ``not separated``.
+        word: ``differs``, ``no difference`` or ``not settled``.
     """
 
     equivalence_low: float
@@ -171,28 +173,23 @@ def _pairs(
     effects = []
     for first, second in combinations(range(len(means)), 2):
         gap = float(means[first] - means[second])
-        effects.append(
-            Effect(
-                factor,
-                levels[first],
-                levels[second],
-                gap,
-                gap - half,
-                gap + half,
-                gap - narrow,
-                gap + narrow,
-                se,
-                word(gap, half, narrow, margin),
-            )
-        )
+        bounds = (gap - half, gap + half, gap - narrow, gap + narrow)
+        named = word(gap, half, narrow, margin)
+        effects.append(Effect(factor, levels[first], levels[second], gap, *bounds, se, named))
     return effects
 
 
 def word(difference: float, half_width: float, equivalence_half_width: float, margin: float) -> str:
     """What a difference is, from its interval and the 90 % interval that is held against the margin.
 
-    A difference that is separated from zero and yet within the margin is a difference.
+    A difference that is told from zero and yet within the margin is a difference.
     """
     if abs(difference) > half_width:
         return DIFFERS
-    return NO_DIFFERENCE if abs(difference) + equivalence_half_width <= margin else NOT_SEPARATED
+    return NO_DIFFERENCE if abs(difference) + equivalence_half_width <= margin else NOT_SETTLED
+
+
+@lru_cache(maxsize=256)
+def studentized_range(confidence: float, means: int, df: float) -> float:
+    """Tukey's quantile q for so many means; SciPy integrates anew for each."""
+    return float(stats.studentized_range.ppf(confidence, means, df))

@@ -1,22 +1,20 @@
-"""Viewpoints in order of their mean return, each with intervals and a verdict."""
+"""Viewpoints in order, each with its intervals, its distance to the leader and its place in the race."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.stats.best import chance_of_best
-from pipeline.stats.blocks import TwoWay, difference_half_width, mean_half_width, two_way
+from pipeline.stats.blocks import own_interval
 from pipeline.stats.branches import Results
+from pipeline.stats.replay import Race
 
-BEST = "best"
-NOT_SEPARATED = "not separated"
-WORSE = "worse"
-NOT_ABOVE_BLIND = "not above blind"
-
-Estimate = tuple[float, float | None, float | None]  # value, low, high
+LEADER = "leader"
+AS_GOOD = "may be as good"
+NOT_BEST = "not the best"
+UNSEEING = "cannot see"
 
 
 @dataclass(frozen=True)
@@ -25,15 +23,18 @@ class Ranked:
 
     Attributes:
         key: the branch.
-        rank: 1 for the highest mean return.
+        rank: 1 for the leader; views at which the judge cannot see come last.
         theta_deg, phi_deg: pan and tilt.
         repeats: number of independent trainings.
-        return_mean, return_low, return_high: mean return with its t interval.
-        score_mean, score_low, score_high: the same of the normalised score (0 blind, 1 expert).
-        difference_to_best, difference_low, difference_high: mean return less the best view's, with
-            Tukey's interval; ``None`` for the best view itself.
-        best_chance: how likely this view is the best (:mod:`pipeline.stats.best`).
-        verdict: ``best``, ``not separated``, ``worse`` or ``not above blind``.
+        return_mean, return_low, return_high: mean return with the t interval of its own repeats (m).
+        score_mean, score_low, score_high: the same in score (0 target-blind, 1 expert).
+        behind_leader, behind_low, behind_high: the leader's score less its own over common repeats, with the
+            race's bounds, which hold together and at every look; ``None`` for the leader and out of the race.
+        state: ``leader``, ``may be as good``, ``not the best`` or ``cannot see``.
+        out_after: repeats after which it was eliminated.
+        failed: how many trainings came out at or below target-blind.
+        misses: what the judge's code lacks (:class:`pipeline.stats.sight.Sight`).
+        probe_m, guess_m: errors by which that is told.
         duplicates: other branches with the same viewpoint.
     """
 
@@ -48,65 +49,80 @@ class Ranked:
     score_mean: float
     score_low: float | None
     score_high: float | None
-    difference_to_best: float | None
-    difference_low: float | None
-    difference_high: float | None
-    best_chance: float | None
-    verdict: str
+    behind_leader: float | None
+    behind_low: float | None
+    behind_high: float | None
+    state: str
+    out_after: int | None
+    failed: int
+    misses: list[str]
+    probe_m: float
+    guess_m: float
     duplicates: list[str]
 
-    @property
-    def tied(self) -> bool:
-        """Whether it is the best view or nothing separates it from the best view."""
-        return self.difference_high is None or self.difference_high >= 0
 
-    @property
-    def above_blind(self) -> bool:
-        """Whether the score's interval lies above 0."""
-        return self.score_low is not None and self.score_low > 0
+def rank(results: Results, race: Race | None, confidence: float) -> list[Ranked]:
+    """The scene's table: leader, what may be as good, what is not the best, what is not in the race.
 
-
-def rank(results: Results, confidence: float) -> tuple[list[Ranked], TwoWay]:
-    """The scene's table, best first, and the fit of the returns that its errors come from."""
-    fit = two_way(results.returns)
-    returns = _around(fit.means, mean_half_width(fit, confidence))
-    scores_fit = two_way(results.scores)
-    scores = _around(scores_fit.means, mean_half_width(scores_fit, confidence))
-    order = [int(index) for index in np.argsort(-fit.means, kind="stable")]
-    gaps = _around(fit.means - fit.means[order[0]], difference_half_width(fit, confidence))
-    chances: Sequence[float | None] = chance_of_best(fit) or [None] * len(order)
-    table = []
-    for place, index in enumerate(order, start=1):
-        key, branch = list(results.branches.items())[index]
-        gap: tuple[float | None, float | None, float | None] = gaps[index] if place > 1 else (None,) * 3
-        table.append(
-            Ranked(
-                key,
-                place,
-                branch.theta,
-                branch.phi,
-                fit.repeats,
-                *returns[index],
-                *scores[index],
-                *gap,
-                best_chance=chances[index],
-                verdict=NOT_SEPARATED,
-                duplicates=results.duplicates[key],
-            )
-        )
-    return [replace(row, verdict=_verdict(row, table)) for row in table], fit
+    Args:
+        results: of the scene.
+        race: of the views at which the judge sees, in their order; ``None`` where there is none.
+        confidence: of a view's own intervals.
+    """
+    ordered = _order(results.seen, race)
+    unseen = [key for key in results.branches if key not in results.seen]
+    ordered += sorted(unseen, key=lambda key: -float(results.returns[key].mean()))
+    return [_row(key, place, results, race, confidence) for place, key in enumerate(ordered, start=1)]
 
 
-def _verdict(row: Ranked, table: list[Ranked]) -> str:
-    if row.score_low is not None and not row.above_blind:
-        return NOT_ABOVE_BLIND
-    if not row.tied:
-        return WORSE
-    alone = len(table) > 1 and not any(other.tied for other in table[1:])
-    return BEST if row.rank == 1 and alone else NOT_SEPARATED
+def _order(keys: Sequence[str], race: Race | None) -> list[str]:
+    if race is None:
+        return []
+    behind = {view: _behind(race, view) for view in range(len(keys))}
+    return [keys[view] for view in sorted(behind, key=lambda view: (view in race.out, behind[view]))]
 
 
-def _around(values: np.ndarray, half_width: float | None) -> list[Estimate]:
-    if half_width is None:
-        return [(value, None, None) for value in values.tolist()]
-    return [(value, value - half_width, value + half_width) for value in values.tolist()]
+def _behind(race: Race, view: int) -> float:
+    """Over the latest repeats common to the leader and this view; the leader itself comes first."""
+    if view == race.leader:
+        return -np.inf
+    means = race.shared(race.leader, view).means
+    return float(means[race.leader] - means[view])
+
+
+def _row(key: str, place: int, results: Results, race: Race | None, confidence: float) -> Ranked:
+    branch, sight, scores = results.branches[key], results.sight[key], results.scores[key]
+    behind, state, out_after = _in_race(key, results, race, confidence)
+    return Ranked(
+        key,
+        place,
+        branch.theta,
+        branch.phi,
+        len(scores),
+        *own_interval(results.returns[key], confidence),
+        *own_interval(scores, confidence),
+        *behind,
+        state=state,
+        out_after=out_after,
+        failed=int((scores <= 0).sum()),
+        misses=sight.misses,
+        probe_m=sight.probe_m,
+        guess_m=sight.guess_m,
+        duplicates=results.duplicates[key],
+    )
+
+
+def _in_race(
+    key: str, results: Results, race: Race | None, confidence: float
+) -> tuple[tuple[float | None, float | None, float | None], str, int | None]:
+    """How far behind the leader with bounds, where it stands, and when it went out."""
+    nothing = (None, None, None)
+    if race is None or key not in results.seen:
+        return nothing, UNSEEING, None
+    view = results.seen.index(key)
+    if view == race.leader:
+        return nothing, LEADER, None
+    gap = race.between(race.leader, view, confidence)
+    behind = (gap.difference, gap.difference - gap.half_width, gap.difference + gap.half_width)
+    out_after = race.out.get(view)
+    return behind, AS_GOOD if out_after is None else NOT_BEST, out_after

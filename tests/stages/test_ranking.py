@@ -7,9 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import polars as pl
 import pytest
 import yaml
+from scipy import stats
 
 from pipeline import ranking
 from pipeline.contract.errors import BelvedereError
@@ -21,6 +23,11 @@ MADE_WITH = {
 }  # fmt: skip
 CLAIMS = Path(__file__).resolve().parents[2] / "data/reference/claims.yaml"
 VIEWS = {"reach-a": (0, 0), "reach-b": (90, 0), "study": (45, 15)}
+PROBES = {
+    f"{kind}_{what}_m": error
+    for kind, error in (("probe_mlp", 0.02), ("guess", 0.2))
+    for what in ("tip", "target", "tip_to_target")
+}
 RETURNS = {"reach-a": (-2.0, -2.1, -1.8), "reach-b": (-4.0, -4.2, -3.9), "study": (-5.1, -5.0, -4.9)}
 
 
@@ -29,7 +36,15 @@ class Written:
 
     def __init__(self) -> None:
         self.params: dict[str, Any] = {
-            "ranking": {"confidence": 0.95, "equivalence_margin": 0.1},
+            "ranking": {
+                "confidence": 0.95,
+                "tolerance": 0.05,
+                "equivalence_margin": 0.1,
+                "sight_share": 0.5,
+                "scenes": {"other": {"tolerance": 0.5}},
+            },
+            "budget": "few",
+            "budgets": {"few": {"race": {"first": 3, "most": 20}}},
             "viewpoints": {},
         }
         for key, returns in RETURNS.items():
@@ -49,7 +64,8 @@ class Written:
         self.write(f"branches/{key}/evaluation.json", {**content, "made_with": MADE_WITH})
         for stage in ("geometry", "vae"):
             numbers = {b.entry: abs(theta - phi) + 1.0 for b in BASELINES if b.stage == stage}
-            self.write(f"branches/{key}/{stage}.json", numbers)
+            probes = [{"repeat": r, **PROBES} for r in range(len(returns))]
+            self.write(f"branches/{key}/{stage}.json", {**numbers, "repeats": probes})
 
     def write_params(self) -> None:
         Path("params.yaml").write_text(yaml.safe_dump(self.params, sort_keys=False))
@@ -80,16 +96,70 @@ def written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Written:
 
 def test_json_and_csv_say_the_same(written: Written, capsys: pytest.CaptureFixture[str]) -> None:
     content = written.rank()
-    assert capsys.readouterr().out == f"reach: {content['verdict']['sentence']}\n"
-    assert content["verdict"]["kind"] == "best"
+    answer = content["answer"]
+    assert capsys.readouterr().out == f"{answer['progress']}\nreach: {answer['sentence']}\n"
+    assert (answer["kind"], answer["keys"]) == ("alone", ["reach-a"])
+    assert content["race"]["open"] is False and content["race"]["out"] == {"reach-b": 3, "study": 3}
     assert content["anchors"] == pytest.approx({"no_op": -9.0, "blind": -7.0, "expert": -1.0})
+    assert (content["blind_m"], content["unit_m"]) == (pytest.approx(-7.0), pytest.approx(6.0))
     rows = pl.read_csv("out/reach.csv").to_dicts()
     assert [row["branch"] for row in rows] == list(content["viewpoints"]) == list(RETURNS)
     for row in rows:
         shown = content["viewpoints"][row.pop("branch")]
         assert row.pop("scene") == "reach"
-        assert row.pop("duplicates") in ("", None) and shown.pop("duplicates") == []
+        for name in ("duplicates", "misses"):
+            assert row.pop(name) in ("", None) and shown.pop(name) == []
         assert row == shown
+
+
+def test_scores_have_one_unit_for_all_repeats(written: Written) -> None:
+    """Each repeat's blind anchor differs; the score is of their mean."""
+    view = written.rank()["viewpoints"]["reach-b"]
+    expected = (np.array(RETURNS["reach-b"]) + 7.0) / 6.0
+    assert view["score_mean"] == pytest.approx(expected.mean())
+    interval = stats.ttest_1samp(expected, 0).confidence_interval(0.95)
+    assert (view["score_low"], view["score_high"]) == pytest.approx((interval.low, interval.high))
+
+
+def test_repeats_may_be_ragged(written: Written, capsys: pytest.CaptureFixture[str]) -> None:
+    written.branch("reach-a", (-2.0, -2.1, -1.8, -2.2), *VIEWS["reach-a"])
+    written.branch("reach-b", (-2.1, -2.1, -1.7, -2.2), *VIEWS["reach-b"])
+    written.params["ranking"]["tolerance"] = 0.001
+    written.write_params()
+    content = written.rank()
+    race = content["race"]
+    assert (race["open"], race["common"], race["out"]) == (True, 4, {"study": 3})
+    assert [look["repeats"] for look in race["looks"]] == [3, 4]
+    assert {key: view["repeats"] for key, view in content["viewpoints"].items()} == {
+        "reach-a": 4, "reach-b": 4, "study": 3,
+    }  # fmt: skip
+    assert {(p["first"], p["second"]): p["repeats"] for p in content["pairs"]} == {
+        ("reach-a", "reach-b"): 4, ("reach-a", "study"): 3, ("reach-b", "study"): 3,
+    }  # fmt: skip
+    assert content["answer"]["kind"] == "open"
+    assert capsys.readouterr().out == f"{content['answer']['progress']}\n"
+
+
+def test_a_scenes_own_tolerance_counts(written: Written) -> None:
+    assert written.rank()["tolerance"] == 0.05
+    written.params["ranking"]["scenes"]["reach"] = {"tolerance": 0.7}
+    written.write_params()
+    assert written.rank()["tolerance"] == 0.7
+
+
+def test_a_view_at_which_the_judge_cannot_see_is_not_raced(written: Written) -> None:
+    dark = {"probe_mlp_tip_to_target_m": 0.15, "probe_mlp_tip_m": 0.15}
+    written.edit("branches/reach-a/vae.json", lambda c: [row.update(dark) for row in c["repeats"]])
+    content = written.rank()
+    view = content["viewpoints"]["reach-a"]
+    assert (view["state"], view["misses"], view["behind_leader"]) == ("cannot see", ["tip"], None)
+    assert (view["probe_m"], view["guess_m"]) == (pytest.approx(0.15), pytest.approx(0.2))
+    assert content["answer"]["keys"] == ["reach-b"]
+    for key in VIEWS:
+        written.edit(f"branches/{key}/vae.json", lambda c: [row.update(dark) for row in c["repeats"]])
+    content = written.rank()
+    assert (content["answer"]["kind"], content["race"]["open"]) == ("cannot see", False)
+    assert pl.read_csv("out/reach.csv")["misses"].to_list() == ["tip"] * 3
 
 
 def test_the_same_results_give_the_same_bytes(written: Written) -> None:
@@ -117,24 +187,25 @@ def test_a_removed_viewpoint_disappears_though_its_file_stays(written: Written) 
     assert set(written.rank()["viewpoints"]) == {"reach-a", "study"}
 
 
-def test_the_confidence_level_is_a_parameter(written: Written) -> None:
-    def width() -> float:
-        best = written.rank()["viewpoints"]["reach-a"]
-        return best["return_high"] - best["return_low"]
-
-    wide = width()
-    written.params["ranking"]["confidence"] = 0.5
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        (("ranking", "confidence"), 0.9, r"ranking\.confidence '0\.9' is unknown; available: 0\.95"),
+        (("budgets", "few", "race", "first"), 2, r"it has 3 repeats, but the budget's race\.first is 2"),
+        (("budgets", "few", "race", "first"), 1, "greater than or equal to 2"),
+        (("budgets", "few", "race", "most"), 41, "less than or equal to 40"),
+    ],
+)
+def test_parameters_without_a_meaning_are_refused(
+    written: Written, place: tuple[str, ...], value: float, message: str
+) -> None:
+    node = written.params
+    for key in place[:-1]:
+        node = node[key]
+    node[place[-1]] = value
     written.write_params()
-    assert width() < wide
-
-
-def test_one_repeat_gives_null_and_no_best(written: Written) -> None:
-    for name in ("anchors.json", *(f"branches/{key}/evaluation.json" for key in VIEWS)):
-        written.edit(name, lambda content: content.update(repeats=content["repeats"][:1]))
-    content = written.rank()
-    assert content["verdict"]["kind"] == "not separated"
-    assert content["verdict"]["sentence"].endswith("one repeat tells no error.")
-    assert content["spread"]["pooled_sd"] is content["viewpoints"]["study"]["difference_low"] is None
+    with pytest.raises(BelvedereError, match=message):
+        written.rank()
 
 
 @pytest.mark.parametrize("name", ["device", "dtype", "torch", "mujoco", "mujoco_warp"])
@@ -165,7 +236,7 @@ def test_unlike_gpus_are_refused(written: Written) -> None:
 def test_threads_and_machine_may_differ(written: Written) -> None:
     elsewhere = {"threads": 64, "machine": "aarch64", "python": "3.12.1"}
     written.edit("branches/study/evaluation.json", lambda content: content["made_with"].update(elsewhere))
-    assert written.rank()["verdict"]["kind"] == "best"
+    assert written.rank()["answer"]["kind"] == "alone"
 
 
 def test_anchors_of_another_physics_are_refused(written: Written) -> None:
@@ -176,9 +247,17 @@ def test_anchors_of_another_physics_are_refused(written: Written) -> None:
 
 STUDY = "branches/study/evaluation.json"
 BAD: dict[str, tuple[str, Callable[[dict[str, Any]], object], str]] = {
-    "fewer repeats": (STUDY, lambda c: c["repeats"].pop(), r"study has repeats \[0, 1\] but reach-a has"),
-    "other repeats": (STUDY, lambda c: c["repeats"][0].update(repeat=7), r"study has repeats \[1, 2, 7\]"),
-    "fewer anchors": ("anchors.json", lambda c: c["repeats"].pop(), r"anchors has repeats \[0, 1\]"),
+    "fewer repeats": (
+        STUDY,
+        lambda c: c["repeats"].pop(),
+        "study has 2 repeats, but a view is compared from 3",
+    ),
+    "other repeats": (STUDY, lambda c: c["repeats"][0].update(repeat=7), r"are \[1, 2, 7\], not 0 to 2"),
+    "fewer anchors": (
+        "anchors.json",
+        lambda c: c["repeats"].pop(),
+        r"has 2 repeats, but the budget's race\.first",
+    ),
     "a repeat twice": (STUDY, lambda c: c["repeats"][0].update(repeat=1), "not distinct"),
     "no repeats": (STUDY, lambda c: c.update(repeats=[]), "repeats are none"),
     "no return": (STUDY, lambda c: c["repeats"][1].pop("return"), "lack a number"),

@@ -22,7 +22,7 @@ def ranking(difference: float, turned: bool, first: tuple[float, float], second:
         "first": "a",
         "second": "b",
         "difference": difference,
-        "low": difference - 1,
+        "low": difference - 0.5,
         "high": difference + 2,
     }
     if turned:
@@ -31,7 +31,7 @@ def ranking(difference: float, turned: bool, first: tuple[float, float], second:
             "second": "a",
             "difference": -difference,
             "low": -difference - 2,
-            "high": -difference + 1,
+            "high": -difference + 0.5,
         }
     return {
         "viewpoints": {key: {"theta_deg": t, "phi_deg": p} for key, (t, p) in views.items()},
@@ -47,7 +47,8 @@ def found(differences: dict[str, float], turned: bool = False) -> list[Compared]
 @pytest.mark.parametrize("turned", [False, True])
 def test_three_equal_signs_come_by_chance_once_in_eight(turned: bool) -> None:
     compared = found(LIKE_PEOPLE, turned)
-    assert all((row.ours, row.low, row.high, row.same_sign) == (1.0, 0.0, 3.0, True) for row in compared)
+    assert all((row.ours, row.low, row.high, row.same_sign) == (1.0, 0.5, 3.0, True) for row in compared)
+    assert all(row.settled for row in compared)
     assert [(a.measure, a.tasks, a.agree, a.chance) for a in agreements(compared)] == [
         ("time", 3, 3, pytest.approx(1 / 8)),
         ("distance error", 3, 3, pytest.approx(1 / 8)),
@@ -55,8 +56,17 @@ def test_three_equal_signs_come_by_chance_once_in_eight(turned: bool) -> None:
 
 
 def test_one_sign_that_differs_is_counted() -> None:
-    compared = found({**LIKE_PEOPLE, "panda_2dof": -0.5})
+    compared = found({**LIKE_PEOPLE, "panda_2dof": -2.5})
     assert [(a.agree, a.chance) for a in agreements(compared)] == [(2, pytest.approx(0.5))] * 2
+
+
+def test_a_direction_that_is_not_settled_leans_and_is_not_counted() -> None:
+    compared = found({**LIKE_PEOPLE, "panda_2dof": -0.4})
+    assert [(a.tasks, a.agree, a.leaning, a.chance) for a in agreements(compared)] == [(2, 2, 1, 0.25)] * 2
+    leaning = [row for row in compared if not row.settled]
+    assert [(row.scene, row.same_sign) for row in leaning] == [("panda_2dof", False)] * 2
+    none = agreements(found({"panda_2dof": -0.4}))
+    assert [(a.tasks, a.leaning, a.chance) for a in none] == [(0, 1, None)] * 2
 
 
 def test_a_scene_that_is_not_ranked_says_nothing() -> None:

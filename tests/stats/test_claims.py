@@ -17,47 +17,72 @@ HIGHER = Claim(
 NONE = Claim(section="III-B", scene="reach", judge="dqn", factor="theta", finding="none")
 
 
-def phi(low: float, high: float, word: str) -> Step:
-    return Step("phi", 30.0, 45.0, (low + high) / 2, low, high, word)
+MARGIN = 0.1
 
 
-def theta(*words: str) -> list[Step]:
-    return [Step("theta", 0.0, 45.0 * (i + 1), 0.0, -0.05, 0.05, word) for i, word in enumerate(words)]
+def step(factor: str, second_deg: float, low: float, high: float) -> Step:
+    """With a 90 % interval of four fifths of its interval's width."""
+    middle, narrow = (low + high) / 2, 0.4 * (high - low)
+    return Step(factor, 30.0, second_deg, middle, low, high, middle - narrow, middle + narrow)
 
 
-@pytest.mark.parametrize(
-    ("steps", "outcome"),
-    [
-        ([phi(0.1, 0.3, "differs")], "agrees"),
-        ([phi(-0.3, -0.1, "differs")], "contradicts"),
-        ([phi(-0.05, 0.05, "no difference")], "contradicts"),
-        ([phi(-0.2, 0.3, "not separated")], "not separated"),
-        ([phi(-0.3, -0.1, "differs").turned()], "contradicts"),  # the same, told the other way round
-        (theta("differs"), "not run"),
-    ],
-)
-def test_a_claim_that_one_level_is_higher(steps: list[Step], outcome: str) -> None:
-    (found,) = held([HIGHER], {"dqn": Judgement(steps)})
-    assert found.outcome == outcome
-    if outcome == "contradicts" and steps[0].word == "differs":
-        assert (found.low, found.high) == (-0.3, -0.1)
+def phi(low: float, high: float) -> Step:
+    return step("phi", 45.0, low, high)
+
+
+def theta(*bounds: tuple[float, float]) -> list[Step]:
+    return [step("theta", 45.0 * (i + 1), low, high) for i, (low, high) in enumerate(bounds)]
 
 
 @pytest.mark.parametrize(
-    ("words", "outcome"),
+    ("found", "direction", "size", "outcome"),
     [
-        (("no difference", "no difference"), "agrees"),
-        (("no difference", "differs"), "contradicts"),
-        (("no difference", "not separated"), "not separated"),
+        (phi(0.1, 0.3), "same", "may matter", "agrees"),
+        (phi(0.01, 0.05), "same", "below 0.1", "agrees"),
+        (phi(-0.3, -0.1), "opposite", "may matter", "contradicts"),
+        (phi(-0.3, -0.1).turned().turned(), "opposite", "may matter", "contradicts"),
+        (phi(-0.05, 0.05), "not settled, leans the other way", "below 0.1", "not settled"),
+        (phi(-0.2, 0.3), "not settled, leans the same way", "may matter", "not settled"),
+        (phi(-0.3, 0.2), "not settled, leans the other way", "may matter", "not settled"),
     ],
 )
-def test_a_claim_that_nothing_differs(words: tuple[str, ...], outcome: str) -> None:
-    assert held([NONE], {"dqn": Judgement(theta(*words))})[0].outcome == outcome
+def test_a_claim_that_one_level_is_higher(found: Step, direction: str, size: str, outcome: str) -> None:
+    for told in (found, found.turned()):  # the same, told the other way round
+        (held_,) = held([HIGHER], {"dqn": Judgement([told], MARGIN)})
+        assert (held_.direction, held_.size, held_.outcome) == (direction, size, outcome)
+        assert (held_.low, held_.high) == (pytest.approx(found.low), pytest.approx(found.high))
+
+
+@pytest.mark.parametrize(
+    ("bounds", "size", "outcome"),
+    [
+        ([(-0.05, 0.05), (0.01, 0.08)], "below 0.1", "agrees"),
+        ([(-0.05, 0.05), (0.11, 0.3)], "may matter", "contradicts"),
+        ([(-0.05, 0.05), (-0.3, -0.11)], "may matter", "contradicts"),
+        ([(-0.05, 0.05), (0.05, 0.3)], "may matter", "not settled"),
+    ],
+)
+def test_a_claim_that_nothing_differs(bounds: list[tuple[float, float]], size: str, outcome: str) -> None:
+    (found,) = held([NONE], {"dqn": Judgement(theta(*bounds), MARGIN)})
+    assert (found.direction, found.size, found.outcome) == (None, size, outcome)
+
+
+def test_a_view_at_which_the_judge_cannot_see_gates_the_claims_on_it() -> None:
+    steps = [phi(0.1, 0.3), *theta((0.2, 0.3))]
+    for unseen, of_phi in (((0.0, 30.0), "cannot see"), ((0.0, 45.0), "cannot see"), ((0.0, 60.0), "agrees")):
+        judge = Judgement(steps, MARGIN, unseen=[unseen])
+        assert [found.outcome for found in held([HIGHER, NONE], {"dqn": judge})] == [of_phi, "cannot see"]
+
+
+def test_of_an_interaction_no_size_is_told() -> None:
+    found = held([HIGHER], {"dqn": Judgement([Step("phi", 30.0, 45.0, 0.2, 0.1, 0.3, None, None)], MARGIN)})
+    assert [(row.direction, row.size, row.outcome) for row in found] == [("same", None, "agrees")]
 
 
 def test_a_judge_that_did_not_run_or_learned_nothing_says_nothing() -> None:
     assert held([NONE], {})[0].outcome == "not run"
-    blind = Judgement(theta("differs"), above_blind=False)
+    assert held([HIGHER], {"dqn": Judgement(theta((0.2, 0.3)), MARGIN)})[0].outcome == "not run"
+    blind = Judgement(theta((0.2, 0.3)), MARGIN, above_blind=False)
     assert held([NONE], {"dqn": blind})[0].outcome == "not above blind"
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from pipeline.stats.factorial import DIFFERS, NO_DIFFERENCE, NOT_SEPARATED, factorial, find_grid, word
+from pipeline.stats.factorial import DIFFERS, NO_DIFFERENCE, NOT_SETTLED, factorial, find_grid, word
 
 THETAS, PHIS = [0.0, 45.0, 90.0], [30.0, 45.0]
 ANGLES = [(t, p) for p in PHIS for t in THETAS]
@@ -105,5 +105,5 @@ def test_one_repeat_tells_nothing() -> None:
 def test_words() -> None:
     assert word(0.3, 0.2, 0.15, 0.1) == DIFFERS
     assert word(0.02, 0.05, 0.04, 0.1) == NO_DIFFERENCE
-    assert word(0.08, 0.1, 0.09, 0.1) == NOT_SEPARATED
+    assert word(0.08, 0.1, 0.09, 0.1) == NOT_SETTLED
     assert word(0.05, 0.04, 0.03, 0.1) == DIFFERS  # small, yet there

@@ -14,10 +14,12 @@ from pipeline.stats.claims import Claim
 from pipeline.stats.dqn import DqnResults, read_dqn
 from pipeline.stats.params import RankingParams
 from pipeline.stats.section3 import comparison
+from pipeline.stats.sight import Sight
 
 ANGLES = [(t, p) for p in (30.0, 45.0) for t in (0.0, 45.0, 90.0)]
 KEYS = [f"reach-{letter}" for letter in "abcdef"]
-METHOD = RankingParams(confidence=0.95, equivalence_margin=0.1)
+METHOD = RankingParams(confidence=0.95, tolerance=0.05, equivalence_margin=0.1, sight_share=0.5)
+SEEN = Sight(0.02, 0.2, [])
 CLAIMS = [
     Claim(
         section="III-B",
@@ -38,11 +40,13 @@ def returns(effect_of_phi: float, level: float, repeats: int, seed: int) -> np.n
     return level + noise + np.array([effect_of_phi * (p == 30.0) for _, p in ANGLES])[:, None]
 
 
-def results(values: np.ndarray) -> Results:
+def results(values: np.ndarray, unseen: str = "") -> Results:
+    """Anchors of 3 repeats; the judge cannot see at the view of key ``unseen``."""
     branches = {k: Branch(scene="reach", theta=t, phi=p) for k, (t, p) in zip(KEYS, ANGLES, strict=True)}
-    repeats = values.shape[1]
-    anchors = {n: np.full(repeats, v) for n, v in {"no_op": -11.0, "blind": -10.0, "expert": 0.0}.items()}
-    return Results(branches, {key: [] for key in KEYS}, values, anchors, {})
+    anchors = {n: np.full(3, v) for n, v in {"no_op": -11.0, "blind": -10.0, "expert": 0.0}.items()}
+    sight = {key: Sight(0.19, 0.2, ["tip"]) if key == unseen else SEEN for key in KEYS}
+    returned = dict(zip(KEYS, values, strict=True))
+    return Results(branches, {key: [] for key in KEYS}, returned, sight, anchors, {})
 
 
 def outcomes(content: dict) -> list[str]:
@@ -61,11 +65,29 @@ def test_without_networks_only_the_world_model_speaks() -> None:
 def test_judges_of_which_one_sees_tilt_and_one_does_not() -> None:
     dqn = DqnResults(KEYS, returns(0.0, -5.0, 3, 2), np.full(3, -1.0))
     content = comparison(results(returns(3.0, -6.0, 4, 1)), dqn, CLAIMS, METHOD)
-    assert outcomes(content) == ["agrees", "contradicts", "agrees"]
+    assert outcomes(content) == ["agrees", "not settled", "agrees"]
+    assert [claim["size"] for claim in content["claims"]] == ["may matter", "below 0.1", None]
     assert content["judges"]["test"]["p"] < 0.001
     view = content["dqn"]["viewpoints"]["reach-a"]
     assert view["score_mean"] == pytest.approx(1 + view["return_mean"] / 10)
     assert view["score_of_restricted_mean"] == pytest.approx((view["return_mean"] + 10) / 9)
+
+
+def test_the_grids_common_repeats_are_what_is_compared() -> None:
+    """A repeat that only some views have, and a view beside the grid, change nothing."""
+    few = returns(3.0, -6.0, 3, 1)
+    whole, ragged = results(few), results(few)
+    ragged.returns[KEYS[0]] = np.append(few[0], -9.0)
+    ragged.branches["study"] = Branch(scene="reach", theta=20, phi=37)
+    ragged.returns["study"], ragged.sight["study"] = np.array([-1.0, -2.0]), Sight(0.19, 0.2, ["tip"])
+    expected, found = (comparison(each, None, CLAIMS, METHOD) for each in (whole, ragged))
+    assert found == expected
+
+
+def test_a_claim_on_a_view_at_which_the_judge_cannot_see_is_not_told() -> None:
+    dqn = DqnResults(KEYS, returns(0.0, -5.0, 3, 2), np.full(3, -1.0))
+    content = comparison(results(returns(3.0, -6.0, 4, 1), unseen=KEYS[1]), dqn, CLAIMS, METHOD)
+    assert outcomes(content) == ["cannot see", "not settled", "cannot see"]
 
 
 def test_networks_that_learned_nothing_are_no_judges() -> None:
