@@ -16,6 +16,7 @@ from pipeline.contract.stage import entry
 from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.images import Gallery, Images, target_pixels_unhidden
 from pipeline.sim.scene import Scene, load_scene
+from pipeline.sim.sight import refuse_hidden_targets
 
 _LARGE = 512  # side of the picture for people, pixels
 
@@ -27,6 +28,7 @@ def main(*, scene: str, theta: float, phi: float, rollouts: Path, out: Path, pic
     world model sees it).
     """
     compiled, view = load_scene(scene), viewpoint(scene, theta, phi)
+    refuse_hidden_targets(compiled, view)
     store = zarrs.Store(rollouts, zarrs.ROLLOUTS, f"rollouts@{scene}")
     gallery = Gallery(compiled, view, cores(), segment=True)
     episodes, frames = store.shape("reward")[1:]

@@ -46,19 +46,13 @@ class Start(Range):
 
 
 class Target(Section):
-    """The red sphere to reach: one of the candidates, moved by up to ± jitter on each axis.
-
-    Episodes begin only where at least ``seen_pixels`` of the 64 × 64 pixels show the target from each
-    direction (θ, φ) of ``seen_from_deg``: the same draws for whichever viewpoint is under study.
-    """
+    """The red sphere to reach: one of the candidates, moved by up to ± jitter on each axis."""
 
     candidates_m: Annotated[tuple[Vector, ...], Field(min_length=1)]
     jitter_m: tuple[
         Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]
     ]
     radius_m: Positive
-    seen_from_deg: tuple[tuple[float, Annotated[float, Field(gt=-90, lt=90)]], ...]
-    seen_pixels: Annotated[int, Field(ge=0)]
 
 
 class Camera(Section):
