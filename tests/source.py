@@ -120,6 +120,8 @@ def _key_read(file: str, call: ast.Call) -> str | None:
             return f"budgets.${{budget}}.{words[1]}"
         case "repeats":
             return "budgets.${budget}.repeats"
+        case "first_repeats":
+            return "budgets.${budget}.race.first"
         case "seed" | "heldout_share":
             return reader
     return None

@@ -96,6 +96,17 @@ def repeats(path: Path = PARAMS_FILE) -> int:
     return count
 
 
+def first_repeats(path: Path = PARAMS_FILE) -> int:
+    """How many repeats of every branch are trained before one may be left out; scores' unit is theirs."""
+    name = value("budget", path=path)
+    count = value("budgets", name, "race", "first", path=path)
+    if not isinstance(count, int) or isinstance(count, bool) or count < 1:
+        raise BelvedereError(
+            f"{path}: budgets.{name}.race.first = {count!r} is not valid; it is a whole number from 1 up."
+        )
+    return count
+
+
 def seed(path: Path = PARAMS_FILE) -> int:
     """The root of every random draw."""
     root = value("seed", path=path)

@@ -21,8 +21,8 @@ seed: 7
 heldout_share: 0.25
 budget: small
 budgets:
-  small: {repeats: 2, rollouts: {episodes: 4, rate: 0.5}}
-  large: {repeats: 9, rollouts: {episodes: 400, rate: 0.5}}
+  small: {repeats: 2, race: {first: 3}, rollouts: {episodes: 4, rate: 0.5}}
+  large: {repeats: 9, race: {first: 4}, rollouts: {episodes: 400, rate: 0.5}}
 """
 
 
@@ -45,6 +45,7 @@ def test_sections_come_from_the_chosen_budget(file: Path) -> None:
     large = change(file, "budget: small", "budget: large")
     assert params.budget_section(Sizes, "rollouts", path=large).episodes == 400
     assert (params.repeats(file), params.repeats(large)) == (2, 9)
+    assert (params.first_repeats(file), params.first_repeats(large)) == (3, 4)
 
 
 def test_scalars(file: Path) -> None:
@@ -77,7 +78,7 @@ def test_a_section_cannot_be_changed() -> None:
         (
             "rollouts: {episodes: 4",
             "rolouts: {episodes: 4",
-            "'rollouts' is unknown; available: repeats, rolouts",
+            "'rollouts' is unknown; available: race, repeats, rolouts",
         ),
         ("budgets:", "- budgets:", "not valid YAML"),
     ],
@@ -95,6 +96,12 @@ def test_repeats_are_a_whole_number_from_one(file: Path, bad: str) -> None:
         params.repeats(change(file, "repeats: 2", f"repeats: {bad}"))
 
 
+@pytest.mark.parametrize("bad", ["0", "-1", "2.0", "true", "two", "null"])
+def test_first_repeats_are_a_whole_number_from_one(file: Path, bad: str) -> None:
+    with pytest.raises(BelvedereError, match=r"budgets\.small\.race\.first = .* from 1 up"):
+        params.first_repeats(change(file, "first: 3", f"first: {bad}"))
+
+
 @pytest.mark.parametrize("bad", ["-1", "1.5", "true", "x"])
 def test_the_seed_is_a_whole_number(file: Path, bad: str) -> None:
     with pytest.raises(BelvedereError, match="seed = "):
@@ -109,7 +116,8 @@ def test_the_heldout_share_lies_between_zero_and_one(file: Path, bad: str) -> No
 
 @pytest.mark.parametrize("budget", ["{}", "{repeats: 3, rollouts: 5}", "5"])
 def test_a_budget_of_another_shape_is_told(file: Path, budget: str) -> None:
-    bad = change(file, "small: {repeats: 2, rollouts: {episodes: 4, rate: 0.5}}", f"small: {budget}")
+    small = "small: {repeats: 2, race: {first: 3}, rollouts: {episodes: 4, rate: 0.5}}"
+    bad = change(file, small, f"small: {budget}")
     with pytest.raises(BelvedereError, match=r"budgets\.small"):
         params.budget_section(Sizes, "rollouts", path=bad)
 

@@ -33,12 +33,11 @@ def write_params(folder: Path, repeats: int = 1, generations: int = 2, seed: int
         "diagonal": True,
         "hidden_share": 0.2,
     }
-    tree["anchors"] = {"sigma": 0.2, "diagonal": False, "hold_frames": 2}
     tree["budget"], tree["seed"] = "short", seed
     tree["budgets"]["short"] = {
         "repeats": repeats,
+        "race": {"first": repeats, "most": repeats},
         "controller": search,
-        "anchors": {**search, "generations": 1},
         "evaluation": {"episodes": 4},
     }
     (folder / "params.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8")
