@@ -27,6 +27,7 @@ from pipeline.qlearning.trial import tried
 from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene, load_scene
+from pipeline.sim.sight import refuse_hidden_targets
 
 CODE = ("contract", "control", "learning", "qlearning", "sim", "dqn.py")
 
@@ -34,6 +35,7 @@ CODE = ("contract", "control", "learning", "qlearning", "sim", "dqn.py")
 def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metrics: Path) -> None:
     """Writes every evaluation episode's outcome, the curves and the means; empty where none is trained."""
     compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
+    refuse_hidden_targets(compiled, view)
     method, sizes = params.section(DqnParams, "dqn"), params.budget_section(DqnSizes, "dqn")
     make = partial(train_repeat, compiled, view, method, sizes)
     results = in_processes(make, sizes.repeats if scene in method.scenes else 0)

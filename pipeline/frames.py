@@ -21,6 +21,7 @@ from pipeline.contract.stage import entry
 from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.images import Gallery, Images, target_pixels_unhidden
 from pipeline.sim.scene import Scene, load_scene
+from pipeline.sim.sight import refuse_hidden_targets
 
 CODE = ("contract", "sim", "frames.py")
 _LARGE = 512  # side of the picture for people, pixels
@@ -36,6 +37,7 @@ def main(
     the world model sees it).
     """
     compiled, view = load_scene(scene), viewpoint(scene, theta, phi)
+    refuse_hidden_targets(compiled, view)
     store = zarrs.Store(rollouts.with_suffix(""), zarrs.ROLLOUTS, f"rollouts@{scene}")
     studio = Studio(compiled, view)
     results = [studio.repeat(store, r) for r in range(branch_repeats(branch, scene, theta, phi))]

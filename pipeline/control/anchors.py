@@ -1,4 +1,4 @@
-"""What a return means in a scene: of doing nothing, of moving blindly, and of an expert. No pictures."""
+"""Policies that see no pictures; what they reach says what a return means in a scene."""
 
 from __future__ import annotations
 
@@ -33,12 +33,13 @@ def nothing(worlds: Worlds, frame: int) -> np.ndarray:
     return np.zeros((worlds.count, worlds.scene.action_size))
 
 
+def heading_for(scene: Scene, goal_m: np.ndarray) -> Policy:
+    """The policy of going to given places (n, 3), m, as the expert goes to targets."""
+    feedback = Expert(scene)
+    return lambda worlds, frame: feedback(worlds.tip, goal_m)
+
+
 def expert(scene: Scene) -> Policy:
     """The policy that knows where tip and target are."""
     feedback = Expert(scene)
     return lambda worlds, frame: feedback(worlds.tip, worlds.target)
-
-
-def blind(actions: np.ndarray) -> Policy:
-    """The policy of one action sequence (t, action_size) whatever happens."""
-    return lambda worlds, frame: np.broadcast_to(actions[frame], (worlds.count, actions.shape[1]))

@@ -38,14 +38,8 @@ class ControllerParams(SearchParams):
     hidden_share: Positive
 
 
-class BlindParams(SearchParams):
-    """Section ``anchors``: an action of the blind sequence is held for ``hold_frames`` frames."""
-
-    hold_frames: Count
-
-
 class SearchSizes(Section):
-    """Sections ``budgets.*.controller`` and ``budgets.*.anchors``.
+    """Section ``budgets.*.controller``.
 
     ``episodes`` are those by which each candidate of a generation is judged.
     """

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.sim.camera import viewpoint
-from pipeline.sim.drives import drive
 from pipeline.sim.scene import Scene
-from pipeline.sim.sight import Sight
 
 _ROUNDS = 200
+_SAME_M = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +42,8 @@ def draw_episodes(scene: Scene, count: int, rng: np.random.Generator) -> Episode
     Target: the candidates in equal shares (in random order), each moved by a uniform jitter on the
     controlled axes. Start: uniform in the start range on the controlled axes, at the target's place
     on the others, so that the target can be reached with the controlled axes alone (paper IV-A).
-    Episodes that begin within an obstacle's clearance, or with the target all but hidden from one of
-    the scene's ``seen_from_deg`` directions, are drawn again. No viewpoint of a branch plays a part.
+    Episodes that begin or end within an obstacle's clearance are drawn again. What a camera sees of
+    them plays no part, so that no viewpoint is favoured.
     """
     if count < 1:
         raise BelvedereError(f"{count} episodes were asked for in scene {scene.name}; at least 1 is needed.")
@@ -55,40 +53,45 @@ def draw_episodes(scene: Scene, count: int, rng: np.random.Generator) -> Episode
     pending = np.arange(count)
     for _ in range(_ROUNDS):
         start[pending], target[pending] = _propose(scene, middles[pending], rng)
-        pending = pending[~_acceptable(scene, start[pending], target[pending])]
+        pending = pending[~(_clear(scene, start[pending]) & _clear(scene, target[pending]))]
         if not len(pending):
             return Episodes(start, target)
     raise BelvedereError(
         f"scene {scene.name}: no acceptable start for target candidate {middles[pending[0]].tolist()} m was "
-        f"found in {_ROUNDS} draws; widen scenes.{scene.name}.start in params.yaml, move its obstacles, or "
-        "enlarge its target."
+        f"found in {_ROUNDS} draws; widen scenes.{scene.name}.start in params.yaml or move its obstacles."
     )
 
 
 def _propose(scene: Scene, middles: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     controlled = np.isin(np.arange(3), scene.axes)
-    start_range = scene.params.start
     jitter = np.asarray(scene.params.target.jitter_m)
     target = middles + controlled * jitter * rng.uniform(-1.0, 1.0, middles.shape)
-    low = np.repeat(np.array([start_range.low_m]), len(middles), axis=0)
-    high = np.asarray(start_range.high_m)
-    if start_range.above_target_m is not None:
-        low[:, 2] = np.clip(target[:, 2] + start_range.above_target_m, low[:, 2], high[2])
+    low, high = _lowest_starts(scene, target), np.asarray(scene.params.start.high_m)
     start = low + rng.uniform(0.0, 1.0, middles.shape) * (high - low)
     return np.where(controlled, start, target), target
 
 
-def _acceptable(scene: Scene, start: np.ndarray, target: np.ndarray) -> np.ndarray:
-    fine = _clear(scene, start) & _clear(scene, target)
-    if not fine.any() or not scene.params.target.seen_from_deg:
-        return fine
-    candidates = np.flatnonzero(fine)
-    qpos = drive(scene, len(candidates), 1).reset(start[candidates], target[candidates])["qpos"]
-    sight = Sight(scene, len(candidates))
-    for theta, phi in scene.params.target.seen_from_deg:
-        pixels = sight.target_pixels(viewpoint(scene.name, theta, phi), qpos, target[candidates])
-        fine[candidates] &= pixels >= scene.params.target.seen_pixels
-    return fine
+def start_density(scene: Scene, start: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """How likely starts (n, 3) are with targets (m, 3), up to a factor: (n, m).
+
+    It is the density from which :func:`draw_episodes` draws, but for obstacles that leave some targets
+    more of the start range than others.
+    """
+    others = [axis for axis in range(3) if axis not in scene.axes]
+    same = np.isclose(start[:, None, others], target[None, :, others], rtol=0.0, atol=_SAME_M).all(axis=2)
+    low, high = _lowest_starts(scene, target), np.asarray(scene.params.start.high_m)
+    axes = list(scene.axes)
+    above = (start[:, None, axes] >= low[None, :, axes] - _SAME_M).all(axis=2)
+    return np.asarray(same * above / np.maximum(high - low, _SAME_M)[:, axes].prod(axis=1))
+
+
+def _lowest_starts(scene: Scene, target: np.ndarray) -> np.ndarray:
+    """The lower ends of the ranges from which starts are drawn: (n, 3)."""
+    start = scene.params.start
+    low = np.repeat(np.array([start.low_m]), len(target), axis=0)
+    if start.above_target_m is not None:
+        low[:, 2] = np.clip(target[:, 2] + start.above_target_m, low[:, 2], start.high_m[2])
+    return low
 
 
 def _clear(scene: Scene, points: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeline.sim.boxes import crosses
 from pipeline.sim.scene import Scene
 
 _UP = 2
@@ -32,19 +33,9 @@ class Expert:
         """Where to aim now: shapes (n, 3), (n, 3) → (n, 3), m."""
         aim = target_m.copy()
         for low, high in zip(self._low, self._high, strict=True):
-            blocked = _crosses(tip_m, aim, low, high)
+            blocked = crosses(tip_m, aim, low, high)
             above = tip_m[:, _UP] > high[_UP] - _REACHED_M
             over = np.where(above[:, None], aim, tip_m)
             over[:, _UP] = np.maximum(high[_UP], over[:, _UP])
             aim = np.where(blocked[:, None], over, aim)
         return aim
-
-
-def _crosses(start: np.ndarray, end: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Whether segments (n, 3) to (n, 3) meet the inside of a box (slab method): (n,)."""
-    way = end - start
-    way = np.where(np.abs(way) < 1e-12, 1e-12, way)
-    first, second = (low - start) / way, (high - start) / way
-    enters = np.minimum(first, second).max(axis=1)
-    leaves = np.maximum(first, second).min(axis=1)
-    return np.asarray((enters < leaves) & (leaves > 0.0) & (enters < 1.0))

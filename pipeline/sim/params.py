@@ -11,6 +11,8 @@ from pipeline.contract.params import Section
 Axis = Literal["x", "y", "z"]
 Vector = tuple[float, float, float]
 Positive = Annotated[float, Field(gt=0)]
+Share = Annotated[float, Field(ge=0, le=1)]
+Rgb = tuple[Share, Share, Share]
 AXES: tuple[Axis, ...] = ("x", "y", "z")
 
 
@@ -44,19 +46,13 @@ class Start(Range):
 
 
 class Target(Section):
-    """The red sphere to reach: one of the candidates, moved by up to ± jitter on each axis.
-
-    Episodes begin only where at least ``seen_pixels`` of the 64 × 64 pixels show the target from each
-    direction (θ, φ) of ``seen_from_deg``: the same draws for whichever viewpoint is under study.
-    """
+    """The red sphere to reach: one of the candidates, moved by up to ± jitter on each axis."""
 
     candidates_m: Annotated[tuple[Vector, ...], Field(min_length=1)]
     jitter_m: tuple[
         Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]
     ]
     radius_m: Positive
-    seen_from_deg: tuple[tuple[float, Annotated[float, Field(gt=-90, lt=90)]], ...]
-    seen_pixels: Annotated[int, Field(ge=0)]
 
 
 class Camera(Section):
@@ -81,7 +77,11 @@ class Light(Section):
 
 
 class SceneParams(Section):
-    """A scene: robot, controlled axes, start, targets, obstacles, camera, lights."""
+    """A scene: robot, controlled axes, start, targets, obstacles, camera, lights.
+
+    ``paint_rgb``: colours, by body, that take the place of those in the robot's files; the robot's bodies
+    are named without its prefix.
+    """
 
     robot: str
     axes: Annotated[tuple[Axis, ...], Field(min_length=1, max_length=3)]
@@ -96,6 +96,7 @@ class SceneParams(Section):
     obstacle_clearance_m: Annotated[float, Field(ge=0)]
     camera: Camera
     light: Light
+    paint_rgb: dict[str, Rgb]
 
     @model_validator(mode="after")
     def _axes_ordered(self) -> SceneParams:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import mujoco
 import numpy as np
 from mujoco import batch as mujoco_batch
 
+from pipeline.contract.errors import BelvedereError
+from pipeline.sim.boxes import crosses
 from pipeline.sim.camera import Viewpoint, camera_to_world
 from pipeline.sim.scene import Scene
 
@@ -31,7 +35,7 @@ class Sight:
     """
 
     def __init__(self, scene: Scene, count: int, threads: int = 1) -> None:
-        self._scene, self._size = scene, PICTURE_SIZE
+        self._scene = scene
         self._batch = mujoco_batch.Batch(scene.model, count, threads)
         self._groups = np.zeros(mujoco.mjNGROUP, np.uint8)
         self._groups[list(_DRAWN_BESIDE_TARGET)] = 1
@@ -40,30 +44,83 @@ class Sight:
         """Shapes (count, nq), (count, 3) → (count,)."""
         self._batch.bind("qpos")[:] = qpos
         origin, rotation = camera_to_world(self._scene.params.camera, view)
-        rays = self._rays_about(view, target_m) @ rotation.T
+        rays = _rays_about(self._scene, view, target_m) @ rotation.T
         reach = _distance_to_sphere(origin, rays, target_m, self._scene.params.target.radius_m)
         hit, _ = self._batch.ray(origin, rays, geomgroup=self._groups)
         hidden = (hit >= 0) & (hit < reach)
         return np.asarray((np.isfinite(reach) & ~hidden).sum(axis=1), dtype=np.int32)
 
-    def _rays_about(self, view: Viewpoint, target_m: np.ndarray) -> np.ndarray:
-        """Unit rays (count, k², 3), camera frame, through the pixels that the target can cover."""
-        camera, size = self._scene.params.camera, self._size
-        slope = 2 * np.tan(np.radians(camera.fov_deg) / 2) / size
-        near = camera.distance_m - self._farthest_m(target_m)
-        half = int(np.ceil(1.2 * self._scene.params.target.radius_m / max(near, 0.1) / slope)) + 1
-        middle = np.floor(to_pixels(self._scene, view, target_m, size))
-        offsets = np.stack(np.meshgrid(*[np.arange(-half, half + 1)] * 2), axis=-1).reshape(-1, 2)
-        pixels = middle[:, None] + offsets[None] + 0.5
-        x, y = (pixels[..., 0] - size / 2) * slope, (size / 2 - pixels[..., 1]) * slope
-        outside = ((pixels < 0) | (pixels > size)).any(axis=-1)
-        rays = np.stack([x, y, -np.ones_like(x)], axis=-1)
-        rays[outside] = [0.0, 0.0, 1.0]  # backwards: meets no target
-        return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
-    def _farthest_m(self, target_m: np.ndarray) -> float:
-        look_at = np.asarray(self._scene.params.camera.look_at_m)
-        return float(np.linalg.norm(target_m - look_at, axis=1).max())
+def refuse_hidden_targets(scene: Scene, view: Viewpoint) -> None:
+    """Holds a viewpoint to the paper's rule for obstacles: they may hide no target position wholly.
+
+    Counted are the pixels in which a target at one of the scene's candidate positions (without jitter)
+    is seen past all that is fixed in the scene: obstacles, desk and table, but not the robot.
+
+    Raises:
+        BelvedereError: there are none.
+    """
+    targets = np.asarray(scene.params.target.candidates_m)
+    origin, rotation = camera_to_world(scene.params.camera, view)
+    rays = _rays_about(scene, view, targets) @ rotation.T
+    reach = _distance_to_sphere(origin, rays, targets, scene.params.target.radius_m)
+    for target, its_rays, its_reach in zip(targets, rays, reach, strict=True):
+        in_picture = np.isfinite(its_reach)
+        ends = origin + its_rays[in_picture] * its_reach[in_picture, None]
+        hides = {name: box.crossed(origin, ends) for name, box in _solids(scene).items()}
+        if not np.any(list(hides.values()), axis=0).all() and in_picture.any():
+            continue
+        hiders = " and ".join(name for name, hidden in hides.items() if hidden.any())
+        fault = f"{hiders} hides" if in_picture.any() else "the picture's edge cuts off"
+        raise BelvedereError(
+            f"scene {scene.name}: from viewpoint ({view.theta:g}°, {view.phi:g}°) {fault} the whole target "
+            f"at {target.tolist()} m; take another viewpoint, or in params.yaml move the obstacles, "
+            f"target.candidates_m or camera of scenes.{scene.name}."
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Solid:
+    """A box: where its middle is and how it is turned, (3,) and (3, 3), and half its size, m."""
+
+    middle: np.ndarray
+    rotation: np.ndarray
+    half_size: np.ndarray
+
+    def crossed(self, origin: np.ndarray, ends: np.ndarray) -> np.ndarray:
+        """Whether segments from a point (3,) to points (n, 3) pass through it: (n,)."""
+        begin, end = (origin - self.middle) @ self.rotation, (ends - self.middle) @ self.rotation
+        return crosses(np.broadcast_to(begin, end.shape), end, -self.half_size, self.half_size)
+
+
+def _solids(scene: Scene) -> dict[str, _Solid]:
+    """The scene's boxes that are no part of the robot, by name."""
+    model, found = scene.model, {}
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    for geom in np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_BOX):
+        body = model.body(model.geom_bodyid[geom]).name
+        if not body.startswith(scene.robot.prefix):
+            rotation = data.geom_xmat[geom].reshape(3, 3)
+            solid = _Solid(data.geom_xpos[geom].copy(), rotation.copy(), model.geom_size[geom].copy())
+            found[model.geom(geom).name or body] = solid
+    return found
+
+
+def _rays_about(scene: Scene, view: Viewpoint, target_m: np.ndarray) -> np.ndarray:
+    """Unit rays (n, k², 3), camera frame, through the pixels that targets at (n, 3), m, can cover."""
+    camera, size = scene.params.camera, PICTURE_SIZE
+    slope = 2 * np.tan(np.radians(camera.fov_deg) / 2) / size
+    near = camera.distance_m - np.linalg.norm(target_m - np.asarray(camera.look_at_m), axis=1).max()
+    half = int(np.ceil(1.2 * scene.params.target.radius_m / max(near, 0.1) / slope)) + 1
+    middle = np.floor(to_pixels(scene, view, target_m, size))
+    offsets = np.stack(np.meshgrid(*[np.arange(-half, half + 1)] * 2), axis=-1).reshape(-1, 2)
+    pixels = middle[:, None] + offsets[None] + 0.5
+    x, y = (pixels[..., 0] - size / 2) * slope, (size / 2 - pixels[..., 1]) * slope
+    outside = ((pixels < 0) | (pixels > size)).any(axis=-1)
+    rays = np.stack([x, y, -np.ones_like(x)], axis=-1)
+    rays[outside] = [0.0, 0.0, 1.0]  # backwards: meets no target
+    return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
 def _distance_to_sphere(

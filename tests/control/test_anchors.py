@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipeline.contract import params
-from pipeline.control.anchors import blind, expert, nothing, play
+from pipeline.control.anchors import expert, heading_for, nothing, play
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.scene import load_scene
 from pipeline.sim.worlds import Worlds
@@ -23,12 +23,18 @@ def test_the_expert_reaches_the_targets(name: str) -> None:
     assert (distance[:, -1] < 0.02).mean() >= 0.99
 
 
-def test_standing_still_and_a_blind_sequence_of_zeros_are_one() -> None:
+def test_doing_nothing_stays_where_it_starts() -> None:
     scene = load_scene("panda_1dof")
     worlds, episodes = Worlds(scene, 4), draw_episodes(scene, 4, np.random.default_rng(4))
-    still, held = (play(worlds, episodes, policy) for policy in (nothing, blind(np.zeros((50, 1)))))
-    np.testing.assert_array_equal(still[0], held[0])
-    assert np.linalg.norm(still[0] - episodes.start_m[:, None], axis=2).max() < 0.01
+    tip_m, _ = play(worlds, episodes, nothing)
+    assert np.linalg.norm(tip_m - episodes.start_m[:, None], axis=2).max() < 0.01
+
+
+def test_heading_for_the_targets_is_what_the_expert_does() -> None:
+    scene = load_scene("panda_2dof_obstacle")
+    worlds, episodes = Worlds(scene, 4), draw_episodes(scene, 4, np.random.default_rng(4))
+    ways = [play(worlds, episodes, p)[0] for p in (heading_for(scene, episodes.target_m), expert(scene))]
+    np.testing.assert_array_equal(*ways)
 
 
 def test_an_obstacle_stops_who_pushes_straight_on_and_not_the_expert() -> None:

@@ -132,8 +132,8 @@ def test_fetch_returns_are_those_of_fetch_reach() -> None:
     """Reference over 20 seeds on current MuJoCo: nothing -7.23, uniform -10.98, proportional -0.27."""
     scene = compiled("fetch_reach")
     far = scene.params.workspace.model_copy(update={"low_m": (-9.0, -9.0, -9.0), "high_m": (9.0, 9.0, 9.0)})
-    unseen = scene.params.target.model_copy(update={"seen_from_deg": (), "jitter_m": (0.15, 0.15, 0.15)})
-    gym = compile_scene("gym", scene.params.model_copy(update={"workspace": far, "target": unseen}))
+    cube = scene.params.target.model_copy(update={"jitter_m": (0.15, 0.15, 0.15)})
+    gym = compile_scene("gym", scene.params.model_copy(update={"workspace": far, "target": cube}))
     count = 200
     rng = np.random.default_rng(0)
     episodes, worlds = draw_episodes(gym, count, rng), Worlds(gym, count, 2)

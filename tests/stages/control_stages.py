@@ -34,12 +34,10 @@ def write_params(folder: Path, generations: int = 2, seed: int = 1) -> None:
         "diagonal": True,
         "hidden_share": 0.2,
     }
-    tree["anchors"] = {"sigma": 0.2, "diagonal": False, "hold_frames": 2}
     tree["budget"], tree["seed"] = "short", seed
     tree["budgets"]["short"] = {
         "race": {"first": 2, "most": 3},
         "controller": search,
-        "anchors": {**search, "generations": 1},
         "evaluation": {"episodes": 4},
     }
     (folder / "params.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8")
