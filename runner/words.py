@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -20,10 +22,15 @@ def announcement() -> str:
 
 
 def verdicts() -> str:
-    """Each scene's verdict, and where the report lies."""
+    """Each scene's answer, what is still open, and where the report lies."""
     rankings = [
         json.loads(file.read_text(encoding="utf-8"))
         for file in sorted(Path("reports/rankings").glob("*.json"))
     ]
-    lines = [f"{ranking['scene']}: {ranking['verdict']['sentence']}" for ranking in rankings]
+    lines = [f"{ranking['scene']}: {_answer(ranking)}" for ranking in rankings]
     return "\n".join(["", *lines, "", f"Report: {Path('reports/index.html').resolve()}"])
+
+
+def _answer(ranking: Mapping[str, Any]) -> str:
+    still_open = " Still open; ./run goes on." if ranking["race"]["open"] else ""
+    return f"{ranking['answer']['sentence']}{still_open}"

@@ -34,7 +34,8 @@ for path in (paths[flag] for flag in paths if flag not in inputs):
         path.mkdir()
         path = path / "content"
     number = int(digest.hexdigest()[:8], 16)
-    ranking = {"digest": number, "scene": path.stem, "verdict": {"sentence": str(number)}}
+    answer = {"answer": {"sentence": str(number)}, "race": {"open": False}}
+    ranking = {"digest": number, "scene": path.stem, **answer}
     path.write_text(json.dumps(ranking) if path.suffix == ".json" else f"a,b\\n{number},{path}\\n")
 """
 

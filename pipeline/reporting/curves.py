@@ -19,7 +19,7 @@ from matplotlib.figure import Figure  # isort: skip
 from matplotlib.ticker import FuncFormatter, MaxNLocator  # isort: skip
 
 SIZE_IN = (4.9, 3.1)
-MARGINS = {"left": 0.17, "right": 0.79, "bottom": 0.19, "top": 0.97}  # shares of the figure
+MARGINS = {"left": 0.17, "right": 0.77, "bottom": 0.19, "top": 0.97}  # shares of the figure
 NEAR = 0.08  # share of the axis below which two names would lie on each other
 
 Level = tuple[float, str, tuple[int, tuple[int, ...]]]  # return (m), name, dashes
@@ -44,7 +44,7 @@ def curve_plots(scene: SceneResults, bands: Mapping[str, pl.DataFrame]) -> dict[
     for view in scene.views:
         figure, axes = curve_axes(limits, frames)
         own = bands[view.key]
-        level_lines(axes, [*anchor_levels(scene.anchors), (float(own["mean"][0]), "start", (0, (1, 1)))])
+        level_lines(axes, [*anchor_levels(scene.anchors), (float(own["mean"][0]), "start", (0, (1, 3)))])
         if view is not first:
             _curve(axes, bands[first.key], "muted", (0, (3, 2)))
         _curve(axes, own, "best", "-")
@@ -81,7 +81,7 @@ def anchor_levels(anchors: Anchors) -> list[Level]:
     """The anchors as levels to draw."""
     return [
         (anchors.expert_mean, "expert", (0, (8, 2))),
-        (anchors.blind_mean, "target-\nblind", (0, (4, 3))),
+        (anchors.blind_mean, "target-blind", (0, (4, 3))),
         (anchors.no_op_mean, "no-op", (0, (1, 2))),
     ]
 

@@ -20,7 +20,7 @@ class Learned:
         start_m: mean return of generation 0, drawn about the start.
         end_m: of the last generation.
         learned_m: the end less the start.
-        level_m: where the lowest view of the scene ends; the same for all views.
+        level_m: where the lowest of the views ends in which the judge can see; the same for all.
         frames_to_level: closed-loop frames after which this view's mean is there.
     """
 
@@ -45,7 +45,8 @@ def learned(scene: SceneResults, bands: Mapping[str, pl.DataFrame]) -> list[Lear
         bands: by key, what :func:`pipeline.reporting.bands.band` returns.
     """
     ends = {key: (float(table["mean"][0]), float(table["mean"][-1])) for key, table in bands.items()}
-    level = min(end for _, end in ends.values())
+    seeing = [view.key for view in scene.views if view.ranked.state != "cannot see"]
+    level = min(ends[key][1] for key in seeing or ends)
     return [
         Learned(v.key, *ends[v.key], ends[v.key][1] - ends[v.key][0], level, frames_to(bands[v.key], level))
         for v in scene.views

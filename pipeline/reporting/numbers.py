@@ -63,3 +63,8 @@ def seconds(value_s: float | None) -> str:
 def whole(value: float | None) -> str:
     """A count, thousands apart."""
     return MISSING if value is None else f"{value:,.0f}".replace(",", "\u202f")
+
+
+def unbroken(sentence: str) -> str:
+    """A sentence whose angles and percentages stay in one line."""
+    return sentence.replace(" %", "\u00a0%").replace("°, ", "°,\u00a0")

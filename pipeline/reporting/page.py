@@ -35,8 +35,8 @@ class ScenePage:
         headline, rest: the answer's first sentence, and what follows it.
         shown: the views whose pictures stand beside the answer.
         pictures: by branch.
-        scores, behind: the plots of all views.
-        race: the plot of the race; ``None`` where none was run.
+        scores: the plot of all views.
+        behind, race: the plots of the race; ``None`` where none was run.
         curves: learning curves by branch.
         learned: the same in numbers.
     """
@@ -47,7 +47,7 @@ class ScenePage:
     shown: tuple[View, ...]
     pictures: dict[str, Pictures]
     scores: Markup
-    behind: Markup
+    behind: Markup | None
     race: Markup | None
     curves: dict[str, Markup]
     learned: list[Learned]
@@ -118,8 +118,8 @@ def render(
 
 
 def _scene_page(scene: SceneResults, pictures: Path) -> ScenePage:
-    bands = scene_bands(scene)
-    headline, _, rest = scene.ranking.answer.sentence.partition(". ")
+    bands, raced = scene_bands(scene), bool(scene.ranking.race.looks)
+    headline, _, rest = numbers.unbroken(scene.ranking.answer.sentence).partition(". ")
     return ScenePage(
         results=scene,
         headline=f"{headline}." if rest else headline,
@@ -127,8 +127,8 @@ def _scene_page(scene: SceneResults, pictures: Path) -> ScenePage:
         shown=_shown(scene),
         pictures={view.key: read_pictures(pictures / view.key, view.key) for view in scene.views},
         scores=Markup(score_plot(scene)),
-        behind=Markup(behind_plot(scene)),
-        race=Markup(race_plot(scene)) if scene.ranking.race.looks else None,
+        behind=Markup(behind_plot(scene)) if raced else None,
+        race=Markup(race_plot(scene)) if raced else None,
         curves={key: Markup(svg) for key, svg in curve_plots(scene, bands).items()},
         learned=learned(scene, bands),
     )
@@ -170,6 +170,7 @@ def _environment() -> Environment:
         "p_value": numbers.p_value,
         "whole": numbers.whole,
         "fixed": numbers.fixed,
+        "unbroken": numbers.unbroken,
         "angles": _angles,
         "claimed": claimed,
         "short": short,

@@ -122,7 +122,7 @@ class Ranking(Table):
     race: Race
     viewpoints: dict[str, Ranked]
     pairs: list[Pair]
-    spread: Spread
+    spread: Spread | None
     factorial: Factorial | None
     dqn: Dqn | None
     judges: Judges | None

@@ -83,8 +83,8 @@ def _answer(scene: SceneResults) -> Row:
         "repeats": race.common,
         "trainings": scene.trainings,
         "unit_m": ranking.unit_m,
-        "spread_sd": ranking.spread.sd,
-        "spread_df": ranking.spread.df,
+        "spread_sd": ranking.spread.sd if ranking.spread else None,
+        "spread_df": ranking.spread.df if ranking.spread else None,
     }
 
 

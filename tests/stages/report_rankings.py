@@ -16,7 +16,6 @@ REPOSITORY = Path(__file__).parents[2]
 MADE_WITH = {"device": "cpu", "dtype": "bfloat16", "threads": 2, "torch": "2.13.0", "mujoco": "3.17.0"}
 NO_OP, BLIND, EXPERT = -10.83, -6.59, -2.37  # returns, m
 UNIT, TOLERANCE, FIRST, MOST = EXPERT - BLIND, 0.05, 3, 20
-HALF = 0.045  # of an interval behind the leader, score
 CHEAP = ("projected motion, weakest direction (px/m)", "linear probe of tip - target (m)")
 
 Angles = Mapping[str, tuple[float, float]]
@@ -35,7 +34,7 @@ def ranking(
     Args:
         scene: its name.
         views: θ and φ by branch.
-        returns: of each branch's repeats (m); a branch's last place is a judge that cannot see with five or more.
+        returns: of each branch's repeats (m); from the fifth place on a judge cannot see.
         opened: the race is not over.
         networks: how many deep Q-networks judge each view.
     """
@@ -48,7 +47,7 @@ def ranking(
         key: _row(place, key, order, views[key], returns[key], means, key in blind)
         for place, key in enumerate(order, start=1)
     }
-    within = max(0.0, HALF - (means[racing[0]] - means[racing[-1]])) if len(racing) < 3 else 0.041
+    within = 0.01 + 0.006 * len(views)
     kind = "open" if opened else "tolerance"
     return {
         "scene": scene,
@@ -62,7 +61,7 @@ def ranking(
         "race": _race(keys, racing, within, opened),
         "anchors": {"no_op": NO_OP, "blind": BLIND, "expert": EXPERT},
         "viewpoints": rows,
-        "pairs": [_pair(a, b, returns) for a, b in combinations(views, 2)],
+        "pairs": [_pair(a, b, returns) for a, b in combinations(racing, 2)],
         "spread": {"sd": 0.0312, "df": 7},
         **judges(scene, views, networks),
         "claims": claims(scene, networks),
@@ -80,7 +79,7 @@ def _row(
     means: Mapping[str, float],
     blind: bool,
 ) -> dict[str, Any]:
-    half = _half(returns)
+    half, wide = _half(returns), 0.04 + 0.004 * len(order)
     behind = None if place == 1 or blind else means[order[0]] - means[key]
     state = ["leader", "may be as good", "not the best"][min(place, 3) - 1]
     return {
@@ -91,8 +90,8 @@ def _row(
         **_around("return", float(np.mean(returns)), half),
         **_around("score", means[key], None if half is None else half / UNIT),
         "behind_leader": behind,
-        "behind_low": None if behind is None else behind - HALF,
-        "behind_high": None if behind is None else behind + HALF,
+        "behind_low": None if behind is None else behind - wide,
+        "behind_high": None if behind is None else behind + wide,
         "state": "cannot see" if blind else state,
         "out_after": FIRST if state == "not the best" and not blind else None,
         "failed": int(place == 3),
@@ -117,7 +116,7 @@ def _around(name: str, value: float, half: float | None) -> dict[str, float | No
 def _answer(scene: str, kind: str, keys: Sequence[str], views: Angles, within: float) -> dict[str, Any]:
     theta, phi = views[keys[0]]
     leader, *others = (key.removeprefix(f"{scene}-") for key in keys)
-    best = f"Put the camera at ({theta:g}°, {phi:g}°): {leader} is the best view or within {within:.2f} of the best"
+    best = f"{leader} is the best view or within {within:.2f} of the best"
     also = f" {' and '.join(others)} may be as good." if others else ""
     return {
         "kind": kind,
@@ -125,8 +124,8 @@ def _answer(scene: str, kind: str, keys: Sequence[str], views: Angles, within: f
         "within": within,
         "sure": True,
         "forecast_trainings": 14 if kind == "open" else None,
-        "sentence": f"{best} (95 % sure).{also}",
-        "progress": f"{scene}, repeat 5 of at most {MOST}: {leader} leads. Best or within {within:.2f} so far.",
+        "sentence": f"Put the camera at ({theta:g}°, {phi:g}°): {best} (95 % sure).{also}",
+        "progress": f"{scene}, repeat 5 of at most {MOST}: {leader} leads. Best or within {within:.2f}.",
     }
 
 
@@ -139,7 +138,7 @@ def _race(keys: Sequence[str], racing: Sequence[str], within: float, opened: boo
         "open": opened,
         "common": 5,
         "active": list(keys),
-        "out": {key: FIRST for key in racing[2:]},
+        "out": dict.fromkeys(racing[2:], FIRST),
         "leader": keys[0],
         "lead_low": -within,
         "lead_high": 0.127,
@@ -223,9 +222,11 @@ def claims(scene: str, networks: int) -> list[dict[str, Any]]:
     for n, claim in enumerate(claim for claim in asked if claim["scene"] == scene):
         ran = networks or claim["judge"] == "world model"
         outcome = OUTCOMES[n % len(OUTCOMES)] if ran else NOT_RUN
-        told = ran and claim["finding"] == "higher" and outcome["direction"] is not None
+        told = ran and claim["finding"] == "higher" and outcome["direction"]
         numbers = (0.0831, -0.021, 0.187) if told else (None, None, None)
         shown = dict(zip(("difference", "low", "high"), numbers, strict=True))
+        if claim["finding"] == "none":  # it has no direction
+            outcome = {**outcome, "direction": None}
         found.append({"first_deg": None, "second_deg": None, **claim, **shown, **outcome})
     return found
 

@@ -41,6 +41,7 @@ THINGS = ("tip", "target", "tip_to_target")
 PROBES = [f"probe_{kind}_{what}_m" for kind in ("linear", "mlp") for what in THINGS]
 SHARES = ["target_seen_share", "frames_target_hidden_share"]
 VAE = ["reconstruction_error", "kl_nats", "active_dimensions"]
+LEVELS = (-3.2, -3.28, -3.9, -4.2, -5.0, -5.2, -5.4)  # mean returns of a scene's views, in their order
 REPEATS = (5, 4, 3, 3, 3, 3, 3)  # of a scene's views, in their order
 
 
@@ -69,7 +70,7 @@ def write_study(
         _write_anchors(folder, scene)
         returns = {}
         for place, (key, angles) in enumerate(views.items()):
-            level = -3.2 - 0.35 * place
+            level = LEVELS[place]
             returns[key] = (level + rng.normal(0, 0.12, min(most, REPEATS[place]))).tolist()
             _write_branch(folder / "reports/branches" / scene / key, scene, angles, place, returns[key], rng)
             write_pictures(folder / "reports/pictures" / key, angles)
