@@ -20,7 +20,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator  # isort: skip
 
 SIZE_IN = (4.9, 3.1)
 MARGINS = {"left": 0.17, "right": 0.77, "bottom": 0.19, "top": 0.97}  # shares of the figure
-NEAR = 0.08  # share of the axis below which two names would lie on each other
+NEAR = 0.09  # share of the axis that a line of text takes
 
 Level = tuple[float, str, tuple[int, tuple[int, ...]]]  # return (m), name, dashes
 
@@ -90,11 +90,13 @@ def level_lines(axes: Axes, levels: list[Level]) -> None:
     """Horizontal lines, named at their right ends; those beyond the frame are left out."""
     bottom, top = axes.get_ylim()
     names: list[tuple[float, str]] = []
+    near = NEAR * (top - bottom)
     for level, name, dashes in sorted(row for row in levels if bottom <= row[0] <= top):
         axes.axhline(level, color=COLOURS["muted"], linewidth=1.1, linestyle=dashes, zorder=1)
-        if names and level - names[-1][0] < NEAR * (top - bottom):
+        lines = names[-1][1].count("\n") + 1 if names else 0
+        if names and level - names[-1][0] < near * (lines + 1) / 2:
             below, label = names[-1]
-            names[-1] = ((below + level) / 2, f"{name}\n{label}")
+            names[-1] = ((lines * below + level) / (lines + 1), f"{name}\n{label}")
         else:
             names.append((level, name))
     for level, name in names:

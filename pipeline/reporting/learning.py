@@ -10,6 +10,8 @@ import polars as pl
 from pipeline.reporting.bands import band, frames_to
 from pipeline.reporting.results import SceneResults
 
+QUARTER = 4
+
 
 @dataclass(frozen=True)
 class Learned:
@@ -18,7 +20,7 @@ class Learned:
     Attributes:
         view: the branch.
         start_m: mean return of generation 0, drawn about the start.
-        end_m: of the last generation.
+        end_m: of the last quarter of the generations, since each has episodes of its own.
         learned_m: the end less the start.
         level_m: where the lowest of the views ends in which the judge can see; the same for all.
         frames_to_level: closed-loop frames after which this view's mean is there.
@@ -44,10 +46,16 @@ def learned(scene: SceneResults, bands: Mapping[str, pl.DataFrame]) -> list[Lear
         scene: the scene.
         bands: by key, what :func:`pipeline.reporting.bands.band` returns.
     """
-    ends = {key: (float(table["mean"][0]), float(table["mean"][-1])) for key, table in bands.items()}
+    starts = {key: float(table["mean"][0]) for key, table in bands.items()}
+    ends = {key: _end(table) for key, table in bands.items()}
     seeing = [view.key for view in scene.views if view.ranked.state != "cannot see"]
-    level = min(ends[key][1] for key in seeing or ends)
+    level = min(ends[key] for key in seeing or ends)
     return [
-        Learned(v.key, *ends[v.key], ends[v.key][1] - ends[v.key][0], level, frames_to(bands[v.key], level))
-        for v in scene.views
+        Learned(key, starts[key], ends[key], ends[key] - starts[key], level, frames_to(bands[key], level))
+        for key in (view.key for view in scene.views)
     ]
+
+
+def _end(table: pl.DataFrame) -> float:
+    last = table["mean"].tail(-(-table.height // QUARTER)).to_list()
+    return sum(last) / len(last)

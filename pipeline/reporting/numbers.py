@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 MISSING = "–"
+_NOISE = 1e-9  # of binary fractions: 0.07 is 7 hundredths
 
 
 def fixed(value: float | None, digits: int) -> str:
@@ -23,6 +26,11 @@ def metres(value: float | None) -> str:
 def score(value: float | None) -> str:
     """A score (0 = target-blind, 1 = expert)."""
     return fixed(value, 2)
+
+
+def at_most(value: float | None) -> str:
+    """A score that is a bound from above, so rounded up."""
+    return MISSING if value is None else fixed(math.ceil(100 * value - _NOISE) / 100, 2)
 
 
 def centimetres(value_m: float | None) -> str:

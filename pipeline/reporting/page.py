@@ -163,6 +163,7 @@ def _environment() -> Environment:
         "metres": numbers.metres,
         "score": numbers.score,
         "cm": numbers.centimetres,
+        "at_most": numbers.at_most,
         "percent": numbers.percent,
         "fraction": numbers.fraction,
         "degrees": numbers.degrees,

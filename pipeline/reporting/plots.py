@@ -104,7 +104,7 @@ def race_plot(scene: SceneResults) -> str:
 
 def _said(scene: SceneResults, look: Look) -> str:
     leader = "nobody" if look.leader is None else short(look.leader, scene.name)
-    return f"{leader} leads, best or within {numbers.score(look.within)}"
+    return f"{leader} leads, best or within {numbers.at_most(look.within)}"
 
 
 def _eliminated(axes: Axes, scene: SceneResults, look: Look) -> None:

@@ -19,7 +19,7 @@ import pytest
 from pipeline import report
 from pipeline.contract.artefacts import read_json, write_json
 from pipeline.contract.errors import BelvedereError
-from pipeline.reporting.numbers import interval
+from pipeline.reporting.numbers import at_most, interval
 from pipeline.reporting.tried import COLUMNS
 from tests.stages.report_page import FOLDERS, TABLES, Page, rows
 from tests.stages.report_page import build as build_page
@@ -116,7 +116,9 @@ def test_plots_say_the_tables_numbers(html: str, study: Path) -> None:
     score = f"b {row['score_mean']:.2f} ({row['score_low']:.2f} to {row['score_high']:.2f})"
     behind = f"b {row['behind_leader']:.2f} ({row['behind_low']:.2f} to {row['behind_high']:.2f})"
     looks = [look["within"] for look in ranking["race"]["looks"]]
-    race = "; ".join(f"after {3 + n} repeats a leads, best or within {x:.2f}" for n, x in enumerate(looks))
+    race = "; ".join(
+        f"after {3 + n} repeats a leads, best or within {at_most(x)}" for n, x in enumerate(looks)
+    )
     assert [sum(said in label for label in labels) for said in (score, behind, race)] == [1, 1, 1]
     curve = pl.read_csv(study / "reports/branches/panda_2dof/panda_2dof-b/controller.csv")
     first, last = (curve.filter(pl.col("generation") == n)["mean"].mean() for n in (0, 15))
