@@ -36,7 +36,8 @@ class ScenePage:
         shown: the views whose pictures stand beside the answer.
         pictures: by branch.
         scores: the plot of all views.
-        behind, race: the plots of the race; ``None`` where none was run.
+        behind: the plot of the race as it stands; ``None`` where none was run.
+        race: its course; ``None`` where there was one look at most.
         curves: learning curves by branch.
         learned: the same in numbers.
     """
@@ -118,7 +119,7 @@ def render(
 
 
 def _scene_page(scene: SceneResults, pictures: Path) -> ScenePage:
-    bands, raced = scene_bands(scene), bool(scene.ranking.race.looks)
+    bands, looks = scene_bands(scene), len(scene.ranking.race.looks)
     headline, _, rest = numbers.unbroken(scene.ranking.answer.sentence).partition(". ")
     return ScenePage(
         results=scene,
@@ -127,8 +128,8 @@ def _scene_page(scene: SceneResults, pictures: Path) -> ScenePage:
         shown=_shown(scene),
         pictures={view.key: read_pictures(pictures / view.key, view.key) for view in scene.views},
         scores=Markup(score_plot(scene)),
-        behind=Markup(behind_plot(scene)) if raced else None,
-        race=Markup(race_plot(scene)) if raced else None,
+        behind=Markup(behind_plot(scene)) if looks else None,
+        race=Markup(race_plot(scene)) if looks > 1 else None,
         curves={key: Markup(svg) for key, svg in curve_plots(scene, bands).items()},
         learned=learned(scene, bands),
     )

@@ -98,6 +98,11 @@ def test_a_scene_in_which_no_judge_sees_has_no_race(page: Callable[[Change], str
     assert {row[3] for row in rows(html, f"Ranking of {SCENE}")} == {"✕ cannot see".removeprefix("✕ ")}
 
 
+def test_a_race_of_one_look_has_no_course(page: Callable[[Change], str]) -> None:
+    html = page(lambda content: content["race"].update(looks=content["race"]["looks"][:1]))
+    assert "Score behind the leader" in html and "The race: " not in html
+
+
 def test_a_failure_before_ten_repeats_takes_the_certainty(page: Callable[[Change], str]) -> None:
     said = card(page(lambda content: content["answer"].update(sure=False)))
     assert "No certainty is stated: a training failed" in said
