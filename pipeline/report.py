@@ -1,4 +1,4 @@
-"""report: one self-contained HTML page over all scenes, verdicts first."""
+"""report: one self-contained HTML page over all scenes, answers first."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def main(
         branches: folder of the branches' tables, by scene.
         anchors: folder of the scenes' anchors.
         alignment: the rankings held against people.
-        coverage: how often simulated intervals held.
+        coverage: how often simulated races ended with a false statement.
         tried: viewpoints that experiments tried, one row per repeat.
         pictures: folder of the branches' pictures; those that are absent are named on the page.
         out: the HTML file.
@@ -44,7 +44,8 @@ def main(
     scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
     found = tried_scenes(read_tried(tried), scenes)
     reference = Reference(read(Alignment, alignment, "alignment"), read_coverage(coverage), found)
-    page = render(scenes, missing, reference, pictures, revision(), _parameters(), _random_frames())
+    start = str(params.value("controller", "first"))
+    page = render(scenes, missing, reference, pictures, revision(), _parameters(), _random_frames(), start)
     twins.write(tables, twins.tables(scenes, reference))
     with writing(out) as aside:
         aside.write_text(page, encoding="utf-8")

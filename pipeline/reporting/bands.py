@@ -40,3 +40,9 @@ def at_frames(table: pl.DataFrame, frames: float) -> float | None:
     """The mean of a band's last row at or before so many frames; ``None`` before its first."""
     seen = table.filter(pl.col("frames") <= frames)
     return float(seen["mean"][-1]) if seen.height else None
+
+
+def frames_to(table: pl.DataFrame, level: float) -> float | None:
+    """The frames of a band's first row whose mean reaches ``level``; ``None`` if none does."""
+    reached = table.filter(pl.col("mean") >= level)
+    return float(reached["frames"][0]) if reached.height else None

@@ -10,7 +10,7 @@ import polars as pl
 from markupsafe import Markup
 
 from pipeline.reporting import numbers
-from pipeline.reporting.plots import anchor_lines, curve_axes
+from pipeline.reporting.curves import anchor_levels, curve_axes, level_lines
 from pipeline.reporting.results import SceneResults, View
 from pipeline.reporting.svg import COLOURS, RC, inline
 
@@ -72,7 +72,7 @@ def _plot(
 ) -> str:
     figure, axes = curve_axes(limits, frames)
     axes.set_xlabel("frames seen")
-    anchor_lines(axes, scene.anchors)
+    level_lines(axes, anchor_levels(scene.anchors))
     said = []
     for view, (role, dashes) in zip(views, _STYLES, strict=False):
         table = bands[view.key]

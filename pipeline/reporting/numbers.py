@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 MISSING = "–"
+_NOISE = 1e-9  # of binary fractions: 0.07 is 7 hundredths
 
 
 def fixed(value: float | None, digits: int) -> str:
@@ -21,8 +24,13 @@ def metres(value: float | None) -> str:
 
 
 def score(value: float | None) -> str:
-    """A normalised score (0 = blind, 1 = expert)."""
+    """A score (0 = target-blind, 1 = expert)."""
     return fixed(value, 2)
+
+
+def at_most(value: float | None) -> str:
+    """A score that is a bound from above, so rounded up."""
+    return MISSING if value is None else fixed(math.ceil(100 * value - _NOISE) / 100, 2)
 
 
 def centimetres(value_m: float | None) -> str:
@@ -35,11 +43,9 @@ def percent(share: float | None) -> str:
     return MISSING if share is None else f"{fixed(100 * share, 0)}\u00a0%"
 
 
-def chance(share: float | None) -> str:
-    """A probability as a percentage that is never 0 nor 100."""
-    if share is None:
-        return MISSING
-    return "< 1\u00a0%" if share < 0.01 else "> 99\u00a0%" if share > 0.99 else percent(share)
+def fraction(share: float | None) -> str:
+    """A share of 1 as a percentage with one decimal."""
+    return MISSING if share is None else f"{fixed(100 * share, 1)}\u00a0%"
 
 
 def degrees(value_deg: float) -> str:
@@ -60,3 +66,13 @@ def p_value(p: float) -> str:
 def seconds(value_s: float | None) -> str:
     """A duration in seconds, whole from 10 s up."""
     return MISSING if value_s is None else fixed(value_s, 0 if value_s >= 10 else 1)
+
+
+def whole(value: float | None) -> str:
+    """A count, thousands apart."""
+    return MISSING if value is None else f"{value:,.0f}".replace(",", "\u202f")
+
+
+def unbroken(sentence: str) -> str:
+    """A sentence whose angles and percentages stay in one line."""
+    return sentence.replace(" %", "\u00a0%").replace("°, ", "°,\u00a0")

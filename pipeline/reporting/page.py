@@ -13,9 +13,10 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from pipeline.reporting import numbers
-from pipeline.reporting.bands import band
+from pipeline.reporting.curves import curve_plots
+from pipeline.reporting.learning import Learned, learned, scene_bands
 from pipeline.reporting.pictures import Pictures, read_pictures
-from pipeline.reporting.plots import curve_plots, difference_plot, score_plot
+from pipeline.reporting.plots import behind_plot, race_plot, score_plot
 from pipeline.reporting.provenance import Costs, costs, flat, made_with
 from pipeline.reporting.results import Coverage, SceneResults, View, short
 from pipeline.reporting.section3 import SYMBOLS, claimed, claims, judges_page
@@ -27,15 +28,30 @@ TEMPLATES = Path(__file__).parent / "template"
 
 @dataclass(frozen=True)
 class ScenePage:
-    """A scene with everything drawn that the template places."""
+    """A scene with everything drawn that the template places.
+
+    Attributes:
+        results: the scene.
+        headline, rest: the answer's first sentence, and what follows it.
+        shown: the views whose pictures stand beside the answer.
+        pictures: by branch.
+        scores: the plot of all views.
+        behind: the plot of the race as it stands; ``None`` where none was run.
+        race: its course; ``None`` where there was one look at most.
+        curves: learning curves by branch.
+        learned: the same in numbers.
+    """
 
     results: SceneResults
     headline: str
-    chosen: tuple[View, ...]
+    rest: str
+    shown: tuple[View, ...]
     pictures: dict[str, Pictures]
     scores: Markup
-    differences: Markup
+    behind: Markup | None
+    race: Markup | None
     curves: dict[str, Markup]
+    learned: list[Learned]
 
 
 @dataclass(frozen=True)
@@ -44,7 +60,7 @@ class Reference:
 
     Attributes:
         people: the rankings held against people.
-        coverage: how often simulated 95 % intervals held, by population, views and repeats.
+        coverage: simulated races, and how often they ended with a false statement.
         tried: viewpoints of experiments.
     """
 
@@ -61,6 +77,7 @@ def render(
     revision: str,
     parameters: dict[str, Any],
     random_frames: dict[str, int],
+    start: str,
 ) -> str:
     """The page's HTML; the same bytes for the same arguments, files and recorded seconds.
 
@@ -72,6 +89,7 @@ def render(
         revision: the code's revision, in words.
         parameters: what to name under "parameters"; ``budget`` among them.
         random_frames: of each scene, how many a world model saw before its controller.
+        start: where a controller's search starts, see ``controller.first`` in params.yaml.
     """
     style = (TEMPLATES / "style.css").read_text(encoding="utf-8")
     recorded: Costs = costs(scenes)
@@ -86,10 +104,11 @@ def render(
             coverage=reference.coverage,
             tried=reference.tried,
             missing=missing,
+            start=start,
             style=Markup(style),
             style_hash=_hash(style),
             views=sum(len(scene.views) for scene in scenes),
-            repeats=sorted({view.ranked.repeats for scene in scenes for view in scene.views}),
+            trainings=sum(scene.trainings for scene in scenes),
             revision=revision,
             budget=parameters["budget"],
             parameters=flat(parameters),
@@ -100,30 +119,27 @@ def render(
 
 
 def _scene_page(scene: SceneResults, pictures: Path) -> ScenePage:
-    bands = {view.key: band(view.curve, scene.ranking.confidence) for view in scene.views}
-    chosen = tuple(view for view in scene.views if view.key in scene.ranking.verdict.keys)
+    bands, looks = scene_bands(scene), len(scene.ranking.race.looks)
+    headline, _, rest = numbers.unbroken(scene.ranking.answer.sentence).partition(". ")
     return ScenePage(
         results=scene,
-        headline=headline(scene, chosen),
-        chosen=chosen,
+        headline=f"{headline}." if rest else headline,
+        rest=rest,
+        shown=_shown(scene),
         pictures={view.key: read_pictures(pictures / view.key, view.key) for view in scene.views},
         scores=Markup(score_plot(scene)),
-        differences=Markup(difference_plot(scene)),
+        behind=Markup(behind_plot(scene)) if looks else None,
+        race=Markup(race_plot(scene)) if looks > 1 else None,
         curves={key: Markup(svg) for key, svg in curve_plots(scene, bands).items()},
+        learned=learned(scene, bands),
     )
 
 
-def headline(scene: SceneResults, chosen: Sequence[View]) -> str:
-    """A scene's verdict in a few words."""
-    kind = scene.ranking.verdict.kind
-    if kind == "not above blind":
-        return "No view is above blind"
-    if kind == "not separated":
-        more = scene.ranking.verdict.more_repeats
-        first_two = " from ".join(view.label for view in scene.views[:2])
-        also = f"; about {more} more repeats to tell {first_two}" if more else ""
-        return f"Not separated: {', '.join(view.label for view in chosen)}{also}"
-    return "Put the camera at " + " or ".join(_angles(view) for view in chosen)
+def _shown(scene: SceneResults) -> tuple[View, ...]:
+    """Where the camera may be put: the leader, or both views between which the answer leaves the choice."""
+    answer = scene.ranking.answer
+    chosen = answer.keys if answer.kind == "either" else answer.keys[:1]
+    return tuple(view for key in chosen for view in scene.views if view.key == key)
 
 
 def _angles(view: View) -> str:
@@ -148,12 +164,15 @@ def _environment() -> Environment:
         "metres": numbers.metres,
         "score": numbers.score,
         "cm": numbers.centimetres,
+        "at_most": numbers.at_most,
         "percent": numbers.percent,
+        "fraction": numbers.fraction,
         "degrees": numbers.degrees,
         "seconds": numbers.seconds,
         "p_value": numbers.p_value,
-        "chance": numbers.chance,
+        "whole": numbers.whole,
         "fixed": numbers.fixed,
+        "unbroken": numbers.unbroken,
         "angles": _angles,
         "claimed": claimed,
         "short": short,

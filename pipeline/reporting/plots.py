@@ -1,69 +1,132 @@
-"""The report's plots. They draw what tables hold and compute no statistic."""
+"""The report's plots of scores and of the race. They draw what tables hold and compute no statistic."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import matplotlib
-import numpy as np
-import polars as pl
 
 from pipeline.reporting import numbers
-from pipeline.reporting.results import SceneResults, View
+from pipeline.reporting.rankings import Look
+from pipeline.reporting.results import SceneResults, View, short
 from pipeline.reporting.svg import COLOURS, RC, inline
-from pipeline.reporting.tables import Anchors
 
 import seaborn as sns  # isort: skip  (after svg, which chooses the backend)
 from matplotlib.axes import Axes  # isort: skip
 from matplotlib.figure import Figure  # isort: skip
-from matplotlib.ticker import FuncFormatter, MaxNLocator  # isort: skip
+from matplotlib.ticker import MaxNLocator  # isort: skip
 
 WIDTH_IN = 5.8
 ROW_IN = 0.5
-CURVE_IN = (4.9, 3.1)
-CURVE_MARGINS = {"left": 0.17, "right": 0.83, "bottom": 0.19, "top": 0.97}  # shares of the figure
-MARKERS = {"best": "o", "not separated": "o", "worse": "s", "not above blind": "x"}
-ROLE = {"best": "best", "not separated": "tied", "worse": "worse", "not above blind": "nothing"}
+RACE_IN = (5.8, 3.0)
+MARKERS = {"leader": "o", "may be as good": "o", "not the best": "s", "cannot see": "x"}
+ROLE = {"leader": "best", "may be as good": "tied", "not the best": "worse", "cannot see": "nothing"}
+DASHED = (0, (4, 3))
+
+Point = tuple[View, float, float | None, float | None]
 
 
 @matplotlib.rc_context(RC)
 def score_plot(scene: SceneResults) -> str:
-    """Normalised scores with their intervals; lines at blind (0) and expert (1)."""
+    """Scores with their intervals; lines at target-blind (0) and expert (1)."""
     rows = [(v, v.ranked.score_mean, v.ranked.score_low, v.ranked.score_high) for v in scene.views]
     figure, axes = _rows(scene.views)
-    for at, name in ((0.0, "blind"), (1.0, "expert")):
-        axes.axvline(at, color=COLOURS["muted"], linewidth=1.2, linestyle=(0, (4, 3)), zorder=1)
-        axes.annotate(
-            name, (at, 1), xycoords=("data", "axes fraction"), xytext=(0, 4), ha="center",
-            textcoords="offset points", color=COLOURS["muted"],
-        )  # fmt: skip
-    _points(axes, rows)
-    axes.set_xlabel("normalised score")
-    said = "; ".join(f"{v.label} {numbers.score(mean)}{_range(low, high)}" for v, mean, low, high in rows)
-    return inline(figure, f"score-{scene.name}", f"Normalised scores with intervals: {said}.")
+    _upright(axes, 0.0, "target-blind", "center")
+    _upright(axes, 1.0, "expert", "center")
+    _points(axes, list(enumerate(rows)))
+    axes.set_xlabel("score")
+    said = "; ".join(
+        f"{v.label} {numbers.score(mean)}{in_brackets(low, high)}" for v, mean, low, high in rows
+    )
+    return inline(figure, f"score-{scene.name}", f"Scores with intervals: {said}.")
 
 
 @matplotlib.rc_context(RC)
-def difference_plot(scene: SceneResults) -> str:
-    """Differences in return to the best view with their intervals; the best itself is the line."""
+def behind_plot(scene: SceneResults) -> str:
+    """How far each view is behind the leader, with its interval, and the tolerance on the leader's left."""
     rows = [
-        (v, v.ranked.difference_to_best or 0.0, v.ranked.difference_low, v.ranked.difference_high)
-        for v in scene.views
+        (place, (v, 0.0, None, None) if v.ranked.state == "leader" else _behind(v, v.ranked.behind_leader))
+        for place, v in enumerate(scene.views)
+        if v.ranked.state == "leader" or v.ranked.behind_leader is not None
     ]
     figure, axes = _rows(scene.views)
-    axes.axvline(0, color=COLOURS["muted"], linewidth=1.2, zorder=1)
+    _upright(axes, 0.0, "leader", "left")
+    _upright(axes, -scene.ranking.tolerance, "tolerance", "right")
+    axes.axvspan(-scene.ranking.tolerance, 0.0, color=COLOURS["grid"], alpha=0.5, linewidth=0, zorder=0)
     _points(axes, rows)
-    axes.set_xlabel("return less that of the first-ranked (m)")
-    said = "; ".join(f"{v.label} {numbers.metres(mean)}{_range(low, high)}" for v, mean, low, high in rows)
-    return inline(
-        figure,
-        f"difference-{scene.name}",
-        f"Differences in return to the first-ranked view with intervals: {said}.",
+    for place in {*range(len(scene.views))} - {place for place, _ in rows}:
+        axes.annotate(
+            "not in the race", (0, place), xytext=(8, 0), textcoords="offset points", va="center",
+            color=COLOURS["muted"],
+        )  # fmt: skip
+    axes.margins(x=0.12)
+    axes.set_xlabel("score behind the leader")
+    said = "; ".join(
+        f"{v.label} {numbers.score(mean)}{in_brackets(low, high)}" for _, (v, mean, low, high) in rows
     )
+    return inline(figure, f"behind-{scene.name}", f"Score behind the leader with intervals: {said}.")
 
 
-def _range(low: float | None, high: float | None) -> str:
+def _behind(view: View, mean: float | None) -> Point:
+    return view, mean or 0.0, view.ranked.behind_low, view.ranked.behind_high
+
+
+@matplotlib.rc_context(RC)
+def race_plot(scene: SceneResults) -> str:
+    """What the leader may lack of the best after each repeat, the tolerance, and who was eliminated when."""
+    looks = [look for look in scene.ranking.race.looks if look.within is not None]
+    figure = Figure(figsize=RACE_IN, layout="constrained")
+    axes = figure.subplots()
+    repeats, within = [look.repeats for look in looks], [look.within or 0.0 for look in looks]
+    sns.lineplot(
+        x=repeats, y=within, ax=axes, errorbar=None, estimator=None, color=COLOURS["best"], linewidth=2.2,
+        marker="o", markersize=8, markeredgecolor=COLOURS["best"],
+    )  # fmt: skip
+    axes.axhline(scene.ranking.tolerance, color=COLOURS["muted"], linewidth=1.2, linestyle=DASHED, zorder=1)
+    axes.annotate(
+        "tolerance", (1, scene.ranking.tolerance), xycoords=("axes fraction", "data"), xytext=(-2, 3),
+        textcoords="offset points", ha="right", color=COLOURS["muted"],
+    )  # fmt: skip
+    for look in looks:
+        _eliminated(axes, scene, look)
+    axes.set_xlim(repeats[0] - 0.5, max(repeats[-1], repeats[0] + 2) + 0.5)
+    axes.set_ylim(0, 1.25 * max(*within, scene.ranking.tolerance))
+    axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
+    axes.yaxis.set_major_locator(MaxNLocator(4))
+    axes.grid(axis="y")
+    axes.set_axisbelow(True)
+    axes.set_xlabel("repeats")
+    axes.set_ylabel("best or within")
+    sns.despine(ax=axes)
+    said = "; ".join(f"after {look.repeats} repeats {_said(scene, look)}" for look in looks)
+    return inline(figure, f"race-{scene.name}", f"The race: {said}.")
+
+
+def _said(scene: SceneResults, look: Look) -> str:
+    leader = "nobody" if look.leader is None else short(look.leader, scene.name)
+    return f"{leader} leads, best or within {numbers.at_most(look.within)}"
+
+
+def _eliminated(axes: Axes, scene: SceneResults, look: Look) -> None:
+    keys = [key for key, after in scene.ranking.race.out.items() if after == look.repeats]
+    if keys:
+        axes.annotate(
+            f"{', '.join(scene.labels(keys))} out", (look.repeats, look.within or 0.0), xytext=(6, 8),
+            textcoords="offset points", color=COLOURS["worse"],
+        )  # fmt: skip
+
+
+def in_brackets(low: float | None, high: float | None) -> str:
+    """An interval behind a number, where there is one."""
     return "" if low is None or high is None else f" ({numbers.interval(low, high)})"
+
+
+def _upright(axes: Axes, at: float, name: str, side: str) -> None:
+    axes.axvline(at, color=COLOURS["muted"], linewidth=1.2, linestyle=DASHED, zorder=1)
+    axes.annotate(
+        name, (at, 1), xycoords=("data", "axes fraction"), xytext=(0, 4), ha=side,
+        textcoords="offset points", color=COLOURS["muted"],
+    )  # fmt: skip
 
 
 def _rows(views: Sequence[View]) -> tuple[Figure, Axes]:
@@ -86,105 +149,13 @@ def _rows(views: Sequence[View]) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _points(axes: Axes, rows: Sequence[tuple[View, float, float | None, float | None]]) -> None:
-    for row, (view, mean, low, high) in enumerate(rows):
-        verdict = view.ranked.verdict
-        colour = COLOURS[ROLE[verdict]]
+def _points(axes: Axes, rows: Sequence[tuple[int, Point]]) -> None:
+    for row, (view, mean, low, high) in rows:
+        state = view.ranked.state
+        colour = COLOURS[ROLE[state]]
         if low is not None and high is not None:
             axes.plot([low, high], [row, row], color=colour, linewidth=2.2, solid_capstyle="round")
         axes.plot(
-            [mean], [row], MARKERS[verdict], markersize=8, markeredgewidth=2, color=colour,
-            markerfacecolor=COLOURS["paper"] if verdict == "not separated" else colour,
+            [mean], [row], MARKERS[state], markersize=8, markeredgewidth=2, color=colour,
+            markerfacecolor=COLOURS["paper"] if state == "may be as good" else colour,
         )  # fmt: skip
-
-
-@matplotlib.rc_context(RC)
-def curve_plots(scene: SceneResults, bands: dict[str, pl.DataFrame]) -> dict[str, str]:
-    """One learning curve per view, all on the same axes' limits.
-
-    Each shows its own curve solid with its band and, to compare, the first-ranked dashed.
-
-    Args:
-        scene: the scene.
-        bands: by key, what :func:`pipeline.reporting.bands.band` returns.
-    """
-    levels = (scene.anchors.no_op_mean, scene.anchors.blind_mean, scene.anchors.expert_mean)
-    means = np.concatenate([table["mean"].to_numpy() for table in bands.values()])
-    bottom, top = float(min(means.min(), *levels)), float(max(means.max(), *levels))
-    margin = 0.08 * (top - bottom or 1.0)
-    frames = float(max(table["frames"][-1] for table in bands.values()))
-    first = scene.views[0]
-    plots = {}
-    for view in scene.views:
-        figure, axes = curve_axes((bottom - margin, top + margin), frames)
-        anchor_lines(axes, scene.anchors)
-        if view is not first:
-            table = bands[first.key]
-            sns.lineplot(
-                x=table["frames"].to_numpy(), y=table["mean"].to_numpy(), ax=axes, errorbar=None,
-                estimator=None, color=COLOURS["muted"], linewidth=1.6, linestyle=(0, (3, 2)),
-            )  # fmt: skip
-        _curve(axes, bands[view.key])
-        plots[view.key] = inline(figure, f"curve-{view.key}", _curve_alt(view, bands[view.key]))
-    return plots
-
-
-def curve_axes(limits: tuple[float, float], frames: float) -> tuple[Figure, Axes]:
-    """Axes of a learning curve: limits of the return (m), and how many frames there are."""
-    figure = Figure(figsize=CURVE_IN)  # fixed margins: the views' axes line up
-    axes = figure.subplots(gridspec_kw=CURVE_MARGINS)
-    axes.set_ylim(*limits)
-    axes.set_xlim(0, frames)
-    axes.xaxis.set_major_locator(MaxNLocator(4))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:,.0f}".replace(",", "\u202f")))
-    axes.grid(axis="y")
-    axes.set_axisbelow(True)
-    axes.set_xlabel("closed-loop frames")
-    axes.set_ylabel("return (m)")
-    sns.despine(ax=axes)
-    return figure, axes
-
-
-def anchor_lines(axes: Axes, anchors: Anchors) -> None:
-    """Expert, blind and no-op as horizontal lines, named at their right ends."""
-    bottom, top = axes.get_ylim()
-    lines = sorted(
-        [
-            (anchors.expert_mean, "expert", (0, (8, 2))),
-            (anchors.blind_mean, "blind", (0, (4, 3))),
-            (anchors.no_op_mean, "no-op", (0, (1, 2))),
-        ]
-    )
-    names: list[tuple[float, str]] = []
-    for level, name, dashes in lines:
-        axes.axhline(level, color=COLOURS["muted"], linewidth=1.1, linestyle=dashes, zorder=1)
-        if names and level - names[-1][0] < 0.08 * (top - bottom):
-            below, label = names[-1]
-            names[-1] = ((below + level) / 2, f"{name}\n{label}")
-        else:
-            names.append((level, name))
-    for level, name in names:
-        axes.annotate(
-            name, (1, level), xycoords=("axes fraction", "data"), xytext=(4, 0), va="center",
-            textcoords="offset points", color=COLOURS["muted"], annotation_clip=False,
-        )  # fmt: skip
-
-
-def _curve(axes: Axes, table: pl.DataFrame) -> None:
-    x = table["frames"].to_numpy()
-    if table["low"].null_count() == 0:
-        low, high = table["low"].to_numpy(), table["high"].to_numpy()
-        axes.fill_between(x, low, high, color=COLOURS["best"], alpha=0.22, linewidth=0)
-    sns.lineplot(
-        x=x, y=table["mean"].to_numpy(), ax=axes, errorbar=None, estimator=None,
-        color=COLOURS["best"], linewidth=2.2,
-    )  # fmt: skip
-
-
-def _curve_alt(view: View, table: pl.DataFrame) -> str:
-    first, last = table.row(0, named=True), table.row(-1, named=True)
-    return (
-        f"Learning curve of view {view.label}: mean return from {numbers.metres(first['mean'])} m "
-        f"to {numbers.metres(last['mean'])} m{_range(last['low'], last['high'])} after "
-        f"{last['frames']:.0f} closed-loop frames."
-    )

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import polars as pl
+from pydantic import ValidationError
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.reporting.tables import Anchors, Evaluation, Mdnrnn, Ranked, Ranking, Vae, read
+from pipeline.reporting.rankings import Ranked, Ranking
+from pipeline.reporting.tables import Anchors, Evaluation, Mdnrnn, Table, Vae, read
 
 CURVE_COLUMNS = {
     "repeat": pl.Int64,
@@ -43,29 +45,50 @@ class SceneResults:
     anchors: Anchors
     views: tuple[View, ...]
 
+    @property
+    def trainings(self) -> int:
+        """How many trainings all its views have had."""
+        return sum(view.ranked.repeats for view in self.views)
 
-@dataclass(frozen=True)
-class Coverage:
-    """How often 95 % intervals held in simulated tables: shares of views' means and of whole tables."""
+    def labels(self, keys: Iterable[str]) -> list[str]:
+        """Short names of branches."""
+        return [short(key, self.name) for key in keys]
+
+
+class Coverage(Table):
+    """Simulated races of one kind.
+
+    Attributes:
+        population: how trainings scatter.
+        views: how many race.
+        situation: how the views truly differ.
+        runs: how many races were simulated.
+        wrong: share that ended with a false statement.
+        covered: share in which the printed interval of the lead held the true lead.
+        trainings: mean number spent.
+    """
 
     population: str
     views: int
-    repeats: int
-    means: float
-    differences: float
+    situation: str
+    runs: int
+    wrong: float
+    covered: float
+    trainings: float
 
 
 def read_coverage(path: Path) -> list[Coverage]:
-    """The simulated coverages.
+    """The simulated races.
 
     Raises:
         BelvedereError: the file is missing or foreign.
     """
     try:
-        return [Coverage(**row) for row in pl.read_csv(path).to_dicts()]
-    except (FileNotFoundError, TypeError, pl.exceptions.PolarsError):
+        return [Coverage.model_validate(row) for row in pl.read_csv(path).to_dicts()]
+    except (FileNotFoundError, ValidationError, pl.exceptions.PolarsError):
         raise BelvedereError(
-            f"{path} is missing or holds no table of coverages; `python -m benchmarks.coverage` makes it."
+            f"{path} is missing or holds no table of simulated races; "
+            "`python -m benchmarks.coverage` makes it."
         ) from None
 
 

@@ -10,8 +10,8 @@ import polars as pl
 from pipeline.reporting import numbers
 from pipeline.reporting.bands import at_frames, band
 from pipeline.reporting.judge_plots import JudgePlot, judge_plots
+from pipeline.reporting.judge_tables import Held
 from pipeline.reporting.results import SceneResults
-from pipeline.stats.claims import Claim, Held
 
 SYMBOLS = {"theta": "θ", "phi": "φ"}
 WORLD_MODEL, DQN = "world model", "DQN"
@@ -72,7 +72,7 @@ def claims(scenes: Sequence[SceneResults]) -> list[Held]:
     return sorted((c for scene in scenes for c in scene.ranking.claims), key=lambda claim: claim.section)
 
 
-def claimed(claim: Claim) -> str:
+def claimed(claim: Held) -> str:
     """A claim in words."""
     symbol = SYMBOLS[claim.factor]
     if claim.finding == "none":

@@ -1,23 +1,14 @@
-"""The tables that the report reads: rankings, anchors and metrics of branches, checked as they are read.
-
-What a statistic returns is read back as what it was.
-"""
+"""The tables that the report reads, checked as they are read: metrics of branches, anchors, people."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, computed_field
 
 from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError
-from pipeline.stats import alignment as people
-from pipeline.stats.baselines import Compared
-from pipeline.stats.claims import Held
-from pipeline.stats.factorial import Factorial, FTest
-from pipeline.stats.judges import EffectByJudge
-from pipeline.stats.pairs import Gap, Pair
 
 
 class Table(BaseModel):
@@ -27,96 +18,64 @@ class Table(BaseModel):
 
 
 TableT = TypeVar("TableT", bound=Table)
-Verdict = Literal["best", "not separated", "worse", "not above blind"]
 
 
-class Ranked(Table):
-    """One viewpoint's row of a ranking; returns in metres, scores 0 = blind and 1 = expert."""
+class Compared(Table):
+    """People's difference between two views beside ours.
 
-    rank: int
-    theta_deg: float
-    phi_deg: float
-    repeats: int
-    return_mean: float
-    return_low: float | None
-    return_high: float | None
-    score_mean: float
-    score_low: float | None
-    score_high: float | None
-    difference_to_best: float | None
-    difference_low: float | None
-    difference_high: float | None
-    best_chance: float | None
-    verdict: Verdict
-    duplicates: list[str]
+    Attributes:
+        first, second: people's means under either view (θ, φ in degrees), lower is better.
+        p, p_holm: of people's difference, raw and adjusted.
+        people_advantage: by how much the first view is better for people, share of the second's mean.
+        ours, low, high: the first view's score less the second's; null where one was not ranked.
+        same_sign: whether both prefer the same view.
+        settled: whether our interval lies on one side.
+    """
 
-
-class SceneVerdict(Table):
-    """What the ranking says about a scene as a whole."""
-
-    kind: Literal["best", "not separated", "not above blind"]
-    keys: list[str]
-    sentence: str
-    more_repeats: int | None
-
-
-class Spread(Table):
-    """The spread of one training (m): about a view's own mean, and in differences between views."""
-
-    pooled_sd: float | None
-    df: float | None
-    residual_sd: float | None
-    residual_df: float | None
-
-
-class DqnView(Table):
-    """What the deep Q-networks of one view reached."""
-
-    return_mean: float
-    score_mean: float
-    score_of_restricted_mean: float
-
-
-class Dqn(Table):
-    """What the deep Q-networks of a scene reached."""
-
-    repeats: int
-    viewpoints: dict[str, DqnView]
-    score_half_width: float | None
-    restricted_expert_return: float
-    factorial: Factorial | None
-
-
-class Judges(Table):
-    """Whether what a view gives depends on the judge."""
-
-    test: FTest | None
-    effects: list[EffectByJudge]
-
-
-class Ranking(Table):
-    """One scene's ranking, ``reports/rankings/{scene}.json``."""
-
+    source: str
     scene: str
-    confidence: float
-    verdict: SceneVerdict
-    viewpoints: dict[str, Ranked]
-    pairs: list[Pair]
-    spread: Spread
-    gap: Gap
-    factorial: Factorial | None
-    dqn: Dqn | None
-    judges: Judges | None
-    claims: list[Held]
-    baselines: list[Compared]
-    made_with: dict[str, Any]
+    measure: str
+    unit: str
+    first_theta: float
+    first_phi: float
+    second_theta: float
+    second_phi: float
+    first: float
+    second: float
+    p: float
+    p_holm: float
+    people_advantage: float
+    ours: float | None
+    low: float | None
+    high: float | None
+    same_sign: bool | None
+    settled: bool
+
+    @property
+    def preferred(self) -> str:
+        """Whether we prefer the view that people prefer."""
+        if self.same_sign is None:
+            return "–"
+        word = "yes" if self.same_sign else "no"
+        return word if self.settled else f"leans {word}"
+
+
+class Agreement(Table):
+    """Of one measure: how many settled tasks agree, how likely by chance, and how many only lean."""
+
+    source: str
+    measure: str
+    tasks: int
+    agree: int
+    chance: float | None
+    leaning: int
 
 
 class Alignment(Table):
     """The rankings held against people, ``reports/alignment.json``."""
 
-    trials: list[people.Compared]
-    agreements: list[people.Agreement]
+    trials: list[Compared]
+    agreements: list[Agreement]
 
 
 class Anchors(Table):
@@ -129,7 +88,7 @@ class Anchors(Table):
 
 
 class Vae(Table):
-    """What a branch's first network saw and lost, ``vae.json``; probe errors in metres."""
+    """What a branch's first network saw and lost, ``vae.json``; errors of probes and guesses in metres."""
 
     reconstruction_error_mean: float
     kl_nats_mean: float
@@ -140,8 +99,30 @@ class Vae(Table):
     probe_mlp_tip_m_mean: float
     probe_mlp_target_m_mean: float
     probe_mlp_tip_to_target_m_mean: float
+    guess_tip_m_mean: float
+    guess_target_m_mean: float
+    guess_tip_to_target_m_mean: float
     target_seen_share_mean: float
     frames_target_hidden_share_mean: float
+
+    @computed_field
+    def tip_share(self) -> float | None:
+        """The MLP probe's error of the tip as a share of guessing's; ``None`` where a guess cannot err."""
+        return _share(self.probe_mlp_tip_m_mean, self.guess_tip_m_mean)
+
+    @computed_field
+    def target_share(self) -> float | None:
+        """The same of the target."""
+        return _share(self.probe_mlp_target_m_mean, self.guess_target_m_mean)
+
+    @computed_field
+    def tip_to_target_share(self) -> float | None:
+        """The same of the way from one to the other."""
+        return _share(self.probe_mlp_tip_to_target_m_mean, self.guess_tip_to_target_m_mean)
+
+
+def _share(part: float, whole: float) -> float | None:
+    return part / whole if whole else None
 
 
 class Mdnrnn(Table):

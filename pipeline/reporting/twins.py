@@ -11,9 +11,10 @@ from typing import Any
 import polars as pl
 
 from pipeline.contract.artefacts import writing
+from pipeline.reporting.judge_tables import Factorial
+from pipeline.reporting.learning import learned, scene_bands
 from pipeline.reporting.page import Reference
 from pipeline.reporting.results import SceneResults
-from pipeline.stats.factorial import Factorial
 from pipeline.stats.tried import Tried
 
 Row = dict[str, Any]
@@ -23,8 +24,11 @@ def tables(scenes: Sequence[SceneResults], reference: Reference) -> dict[str, li
     """The page's tables by name; those without a row are left out."""
     found = {
         "ranking": [row for scene in scenes for row in _ranking(scene)],
-        "pairs": [{"scene": s.name, **asdict(pair)} for s in scenes for pair in s.ranking.pairs],
+        "answers": [_answer(scene) for scene in scenes],
+        "race": [row for scene in scenes for row in _race(scene)],
+        "pairs": [{"scene": s.name, **pair.model_dump()} for s in scenes for pair in s.ranking.pairs],
         "anchors": [{"scene": scene.name, **scene.anchors.model_dump()} for scene in scenes],
+        "learning": [row for scene in scenes for row in _learning(scene)],
         "world_models": [row for scene in scenes for row in _world_models(scene)],
         "baselines": [row for scene in scenes for row in _baselines(scene)],
         "effects": [row for scene in scenes for row in _effects(scene)],
@@ -32,7 +36,8 @@ def tables(scenes: Sequence[SceneResults], reference: Reference) -> dict[str, li
         "claims": [claim.model_dump() for scene in scenes for claim in scene.ranking.claims],
         "people": [trial.model_dump() for trial in reference.people.trials],
         "tried": [_tried(row) for scene in reference.tried for row in scene.rows],
-        "agreements": [asdict(agreement) for agreement in reference.people.agreements],
+        "agreements": [agreement.model_dump() for agreement in reference.people.agreements],
+        "coverage": [row.model_dump() for row in reference.coverage],
     }
     return {name: rows for name, rows in found.items() if rows}
 
@@ -60,9 +65,38 @@ def _ranking(scene: SceneResults) -> Iterator[Row]:
             "scene": scene.name,
             "view": view.key,
             **row,
-            "duplicates": " ".join(row["duplicates"]),
+            **{name: " ".join(row[name]) for name in ("misses", "duplicates")},
             **ended,
         }
+
+
+def _answer(scene: SceneResults) -> Row:
+    ranking = scene.ranking
+    answer, race = ranking.answer.model_dump(), ranking.race
+    return {
+        "scene": scene.name,
+        **answer,
+        "keys": " ".join(answer["keys"]),
+        "tolerance": ranking.tolerance,
+        "lead_low": race.lead_low,
+        "lead_high": race.lead_high,
+        "repeats": race.common,
+        "trainings": scene.trainings,
+        "unit_m": ranking.unit_m,
+        "spread_sd": ranking.spread.sd if ranking.spread else None,
+        "spread_df": ranking.spread.df if ranking.spread else None,
+    }
+
+
+def _race(scene: SceneResults) -> Iterator[Row]:
+    for look in scene.ranking.race.looks:
+        row = look.model_dump()
+        yield {"scene": scene.name, **row, "active": " ".join(row["active"])}
+
+
+def _learning(scene: SceneResults) -> Iterator[Row]:
+    for row in learned(scene, scene_bands(scene)):
+        yield {"scene": scene.name, **asdict(row)}
 
 
 def _world_models(scene: SceneResults) -> Iterator[Row]:
@@ -86,10 +120,10 @@ def _effects(scene: SceneResults) -> Iterator[Row]:
     }
     for judge, found in judged.items():
         for effect in found.effects if found else ():
-            yield {"scene": scene.name, "judge": judge, **asdict(effect), "p_holm": None}
+            yield {"scene": scene.name, "judge": judge, **effect.model_dump(), "p_holm": None}
     for step in ranking.judges.effects if ranking.judges else ():
-        nothing = dict.fromkeys(("equivalence_low", "equivalence_high", "word"))
-        row = asdict(step)
+        nothing = dict.fromkeys(("equivalence_low", "equivalence_high", "se", "word"))
+        row = step.model_dump()
         p = row.pop("p")
         yield {"scene": scene.name, "judge": "world model over dqn", **row, **nothing, "p_holm": p}
 

@@ -7,7 +7,7 @@ import polars as pl
 import pytest
 from scipy import stats
 
-from pipeline.reporting.bands import POINTS, band
+from pipeline.reporting.bands import POINTS, band, frames_to
 
 
 def _curve(values: list[list[float]]) -> pl.DataFrame:
@@ -53,3 +53,8 @@ def test_long_curves_are_thinned_and_keep_both_ends() -> None:
     assert table.height <= POINTS + 1
     assert (table["mean"][0], table["mean"][-1]) == pytest.approx((-9, -1))
     assert table["frames"].is_sorted()
+
+
+def test_a_level_is_reached_once_and_for_all_that_comes_after() -> None:
+    table = band(_curve([[-3.0, -2.0, -2.5, -1.0]]), 0.95)
+    assert [frames_to(table, level) for level in (-4.0, -2.0, -1.5, 0.0)] == [100, 200, 400, None]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import polars as pl
 import pytest
 import yaml
@@ -34,8 +32,7 @@ def repository(tmp_path_factory: pytest.TempPathFactory) -> Clone:
     (made.root / "stage.py").write_text(STAGE)
     tree = {"budget": "tiny", "seed": 1, "viewpoint": VIEWPOINT}
     (made.root / "params.yaml").write_text(yaml.safe_dump(tree))
-    anchors = [{"repeat": r, "blind": -10.0 - r, "expert": -r} for r in range(2)]
-    write_json(made.root / "reports/anchors/panda_2dof.json", {"repeats": anchors})
+    write_json(made.root / "reports/anchors/panda_2dof.json", {"blind_mean": -10.0, "expert_mean": 0.0})
     made.run("git", "init", "--quiet", "--initial-branch", "main")
     made.run("dvc", "init", "--quiet")
     made.commit("as it is")
@@ -65,16 +62,5 @@ def test_experiments_that_differ_in_their_viewpoint_are_gathered(repository: Clo
     assert f"left out: {'twin' if one == 'low' else 'low'} has the viewpoint of another" in said
     assert table["experiment"].to_list() == [one, one, "high", "high"]
     assert table["phi_deg"].to_list() == [5.0, 5.0, 40.0, 40.0]
-    assert table["score"].to_list() == pytest.approx([0.95, 0.95, 0.6, 0.6])
+    assert table["score"].to_list() == pytest.approx([0.95, 0.85, 0.6, 0.5])
     assert set(table["budget"]) == {"tiny"}
-
-
-def test_anchors_of_fewer_repeats_are_named(repository: Clone) -> None:
-    path = repository.root / "reports/anchors/panda_2dof.json"
-    content = json.loads(path.read_text())
-    write_json(path, {"repeats": content["repeats"][:1]})
-    before = (repository.root / "data/tried.csv").read_bytes()
-    said = gather(repository, status=1)
-    assert said.rstrip().endswith("run `dvc repro anchors@panda_2dof`.")
-    assert (repository.root / "data/tried.csv").read_bytes() == before
-    write_json(path, content)

@@ -37,10 +37,15 @@ def test_a_p_value_is_never_zero(p: float, text: str) -> None:
     assert numbers.p_value(p) == text
 
 
-def test_a_chance_is_never_certain() -> None:
-    assert [numbers.chance(p) for p in (None, 0.0, 0.25, 0.999)] == [
-        "–",
-        "< 1\u00a0%",
-        "25\u00a0%",
-        "> 99\u00a0%",
-    ]
+def test_a_bound_is_rounded_up() -> None:
+    values = (0.041, 0.04, 0.07, 0.0001, 0.0, None)
+    assert [numbers.at_most(value) for value in values] == ["0.05", "0.04", "0.07", "0.01", "0.00", "–"]
+
+
+def test_counts_and_fractions() -> None:
+    assert (numbers.whole(102400.0), numbers.whole(None)) == ("102\u202f400", "–")
+    assert (numbers.fraction(0.0213), numbers.fraction(None)) == ("2.1\u00a0%", "–")
+
+
+def test_angles_and_percentages_stay_in_one_line() -> None:
+    assert numbers.unbroken("at (0°, 30°) (95 % sure)") == "at (0°,\u00a030°) (95\u00a0% sure)"

@@ -10,21 +10,20 @@ from typing import Any
 from pipeline.reporting import numbers
 from pipeline.reporting.numbers import (
     centimetres,
-    chance,
     degrees,
     fixed,
+    fraction,
     interval,
     metres,
     p_value,
     percent,
     score,
+    whole,
 )
 
 Row = Mapping[str, Any]
 SYMBOLS = {"theta": "θ", "phi": "φ"}
-PROBES = [
-    f"probe_{kind}_{what}_m_mean" for kind in ("linear", "mlp") for what in ("tip", "target", "tip_to_target")
-]
+THINGS = ("tip", "target", "tip_to_target")
 
 
 def expected(folder: Path) -> dict[str, list[list[str]]]:
@@ -34,12 +33,16 @@ def expected(folder: Path) -> dict[str, list[list[str]]]:
     found = {
         "Findings": _rows(tables["claims"], _claim),
         "People and world model": _rows(tables["people"], _person),
+        "Simulated races": _rows(tables["coverage"], _coverage),
+        "Trainings": [_trainings(scene, tables["ranking"]) for scene in scenes],
     }
     for scene in scenes:
         own = {name: [row for row in rows if row.get("scene") == scene] for name, rows in tables.items()}
         found[f"Ranking of {scene}"] = _rows(own["ranking"], _ranked)
         found[f"Pairs of {scene}"] = _rows(own["pairs"], _pair)
+        found[f"Probes of {scene}"] = _rows(own["world_models"], _probes)
         found[f"World models of {scene}"] = _rows(own["world_models"], _world_model)
+        found[f"Learning of {scene}"] = _rows(own["learning"], _learning)
         found[f"Anchors of {scene}"] = _anchors(own["anchors"][0])
         found[f"Baselines of {scene}"] = _baselines(own["baselines"], [row["view"] for row in own["ranking"]])
         if own.get("dqn"):
@@ -56,50 +59,75 @@ def _short(row: Row, name: str) -> str:
 
 
 def _ranked(row: Row) -> list[str]:
+    out = "" if row["out_after"] is None else f" out after {row['out_after']} repeats"
     return [
         str(row["rank"]),
         _short(row, "view"),
         f"{degrees(row['theta_deg'])}, {degrees(row['phi_deg'])}",
-        str(row["repeats"]),
+        row["state"] + out,
         score(row["score_mean"]),
         interval(row["score_low"], row["score_high"]),
+        score(row["behind_leader"]),
+        interval(row["behind_low"], row["behind_high"]),
         metres(row["return_mean"]),
         interval(row["return_low"], row["return_high"]),
-        metres(row["difference_to_best"]),
-        interval(row["difference_low"], row["difference_high"]),
-        chance(row["best_chance"]),
-        row["verdict"],
+        str(row["repeats"]),
+        str(row["failed"]),
     ]
 
 
 def _pair(row: Row) -> list[str]:
     return [
         f"{_short(row, 'first')} less {_short(row, 'second')}",
-        metres(row["difference"]),
+        str(row["repeats"]),
+        score(row["difference"]),
         interval(row["low"], row["high"]),
-        fixed(row["hedges_g"], 1),
-        p_value(row["welch_p"]),
-        "over 1000" if row["repeats_needed"] is None else str(row["repeats_needed"]),
     ]
+
+
+def _learning(row: Row) -> list[str]:
+    numbers_m = (metres(row[name]) for name in ("start_m", "end_m", "learned_m"))
+    return [_short(row, "view"), *numbers_m, whole(row["frames_to_level"])]
+
+
+def _probes(row: Row) -> list[str]:
+    cells = [_short(row, "view")]
+    for what in THINGS:
+        kinds = ("probe_linear", "probe_mlp", "guess")
+        cells += [centimetres(row[f"{kind}_{what}_m_mean"]) for kind in kinds]
+        cells.append(percent(row[f"probe_mlp_{what}_m_mean"] / row[f"guess_{what}_m_mean"]))
+    return [*cells, percent(row["target_seen_share_mean"]), percent(row["frames_target_hidden_share_mean"])]
 
 
 def _world_model(row: Row) -> list[str]:
-    seen = ("target_seen_share_mean", "frames_target_hidden_share_mean")
     facts = ("reconstruction_error_mean", "kl_nats_mean", "active_dimensions_mean")
     foresight = ("heldout_nll_mean", "heldout_nll_of_last_frame_mean")
+    return [_short(row, "view"), *(fixed(row[name], 1) for name in (*facts, *foresight))]
+
+
+def _coverage(row: Row) -> list[str]:
     return [
-        _short(row, "view"),
-        *(centimetres(row[name]) for name in PROBES),
-        *(percent(row[name]) for name in seen),
-        *(fixed(row[name], 1) for name in (*facts, *foresight)),
+        row["population"],
+        str(row["views"]),
+        row["situation"],
+        whole(row["runs"]),
+        fraction(row["wrong"]),
+        fraction(row["covered"]),
+        fixed(row["trainings"], 1),
     ]
+
+
+def _trainings(scene: str, ranked: Sequence[Row]) -> list[str]:
+    own = [row for row in ranked if row["scene"] == scene]
+    views = ", ".join(f"{_short(row, 'view')} {row['repeats']}" for row in own)
+    return [scene, views, str(sum(row["repeats"] for row in own))]
 
 
 def _anchors(row: Row) -> list[list[str]]:
     within = percent(row["expert_within_2cm_share_mean"])
     return [
         ["expert (score 1)", metres(row["expert_mean"]), within],
-        ["blind (score 0)", metres(row["blind_mean"]), "–"],
+        ["target-blind (score 0)", metres(row["blind_mean"]), "–"],
         ["no-op", metres(row["no_op_mean"]), "–"],
     ]
 
@@ -136,7 +164,7 @@ def _judges(scene: str, own: Mapping[str, Sequence[Row]]) -> dict[str, list[list
         for row in sorted(own["dqn"], key=lambda row: ranked[row["view"]]["rank"])
     ]
     return {
-        f"World model: effects of pan θ and tilt φ on the normalised score in {scene}": _rows(
+        f"World model: effects of pan θ and tilt φ on the score in {scene}": _rows(
             effects["world model"], _effect
         ),
         "DQN: the same effects": _rows(effects["dqn"], _effect),
@@ -163,8 +191,10 @@ def _claim(row: Row) -> list[str]:
         finding = (
             f"{symbol} = {degrees(row['first_deg'])} gives more than {symbol} = {degrees(row['second_deg'])}"
         )
-    ours = [score(row["difference"]), interval(row["low"], row["high"]), row["outcome"]]
-    return [row["section"], row["scene"], row["judge"], finding, *ours]
+    ours = [score(row["difference"]), interval(row["low"], row["high"])]
+    told = [row[name] or numbers.MISSING for name in ("direction", "size")]
+    outcome = row["outcome"].replace("above blind", "above target-blind")
+    return [row["section"], row["scene"], row["judge"], finding, *ours, *told, outcome]
 
 
 def _person(row: Row) -> list[str]:
@@ -178,7 +208,13 @@ def _person(row: Row) -> list[str]:
         percent(row["people_advantage"]),
         p_value(row["p"]),
         p_value(row["p_holm"]),
-        metres(row["ours"]),
+        score(row["ours"]),
         interval(row["low"], row["high"]),
-        {None: numbers.MISSING, True: "yes", False: "no"}[row["same_sign"]],
+        _preferred(row),
     ]
+
+
+def _preferred(row: Row) -> str:
+    if row["same_sign"] is None:
+        return numbers.MISSING
+    return ("" if row["settled"] else "leans ") + ("yes" if row["same_sign"] else "no")

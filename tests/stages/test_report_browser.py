@@ -10,8 +10,8 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from pipeline import report
-from tests.stages.test_report import FOLDERS, PAGE, TABLES, VIEWS, write_study
+from tests.stages.report_page import PAGE, build
+from tests.stages.report_study import VIEWS, write_study
 
 pytestmark = pytest.mark.chromium
 
@@ -43,8 +43,10 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
         patch.chdir(folder)
         patch.setenv("BELVEDERE_SCRATCH", str(folder / "scratch"))
         fetch = dict(list(VIEWS["fetch_reach"].items())[:2])
-        write_study(folder, {"panda_2dof": VIEWS["panda_2dof"], "fetch_reach": fetch})
-        report.main(**FOLDERS, out=PAGE, tables=TABLES)
+        write_study(
+            folder, {"panda_2dof": VIEWS["panda_2dof"], "fetch_reach": fetch}, opened=("fetch_reach",)
+        )
+        build()
     return folder / PAGE
 
 

@@ -5,55 +5,39 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass
-from html import unescape
 from pathlib import Path
 
-import numpy as np
 import polars as pl
 import pytest
 
-from pipeline import ranking, report
 from pipeline.contract.artefacts import write_json
-from pipeline.reporting.numbers import interval, score
+from pipeline.reporting.numbers import fraction, interval, score
+from tests.stages.report_page import TABLES, build, rows
+from tests.stages.report_rankings import claims, judges
+from tests.stages.report_study import VIEWS, write_study
 from tests.stages.report_tables import expected
-from tests.stages.test_report import FOLDERS, MADE_WITH, PAGE, REPOSITORY, TABLES, VIEWS, align, write_study
 
 SCENE = "fetch_reach"
+NETWORKS = 3  # repeats
 
 
-def write_networks(folder: Path, repeats: int = 3) -> None:
-    """What the stage `dqn` leaves: networks that see no difference between views."""
-    rng = np.random.default_rng(5)
+def write_networks(folder: Path) -> None:
+    """What `dqn` and `ranking` leave where networks were trained, which see no difference between views."""
     for key in VIEWS[SCENE]:
-        branch = folder / "reports/branches" / SCENE / key
-        rows = [
-            {"repeat": r, "return": float(rng.normal(-4.4, 0.2)), "expert_return": -2.6}
-            for r in range(repeats)
-        ]
-        write_json(branch / "dqn.json", {"repeats": rows, "made_with": MADE_WITH})
         steps = [
             {"repeat": r, "generation": g, "frames": 1600 * (g + 1), "mean": -9.0 + g / 5, "best": -5.0}
-            for r in range(repeats)
+            for r in range(NETWORKS)
             for g in range(25)
         ]
-        pl.DataFrame(steps).write_csv(branch / "dqn.csv")
-
-
-def rank(folder: Path) -> dict:
-    out = folder / f"reports/rankings/{SCENE}.json"
-    ranking.main(
-        scene=SCENE,
-        branches=folder / "reports/branches" / SCENE,
-        anchors=folder / f"reports/anchors/{SCENE}.json",
-        claims=REPOSITORY / "data/reference/claims.yaml",
-        out=out,
-        table=folder / "ranking.csv",
-    )
-    return json.loads(out.read_text())
+        pl.DataFrame(steps).write_csv(folder / "reports/branches" / SCENE / key / "dqn.csv")
+    path = folder / f"reports/rankings/{SCENE}.json"
+    content = json.loads(path.read_text(encoding="utf-8"))
+    content |= judges(SCENE, VIEWS[SCENE], NETWORKS) | {"claims": claims(SCENE, NETWORKS)}
+    write_json(path, content)
 
 
 @dataclass(frozen=True)
-class Page:
+class Built:
     """A page, and what the scene's ranking says."""
 
     html: str
@@ -62,7 +46,7 @@ class Page:
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Page]:
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Built]:
     """The page of one study, before and after networks were trained."""
     folder = tmp_path_factory.mktemp("judges")
     with pytest.MonkeyPatch.context() as patch:
@@ -74,24 +58,12 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Page]:
         return {"without": before, "with": built(folder)}
 
 
-def built(folder: Path) -> Page:
-    content = rank(folder)
-    align(folder)
-    report.main(**FOLDERS, out=PAGE, tables=TABLES)
-    return Page(Path(PAGE).read_text(encoding="utf-8"), content, folder)
+def built(folder: Path) -> Built:
+    ranking = json.loads((folder / f"reports/rankings/{SCENE}.json").read_text(encoding="utf-8"))
+    return Built(build(), ranking, folder)
 
 
-def rows(html: str, label: str) -> list[list[str]]:
-    """The cells of the table in the region of that name."""
-    table = html.split(f'aria-label="{label}"', 1)[1].split("</table>", 1)[0]
-    body = table.split("<tbody>", 1)[1]
-    cells = [
-        re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row, re.DOTALL) for row in re.split("<tr[^>]*>", body)[1:]
-    ]
-    return [[unescape(re.sub(r"<[^>]+>", "", cell)).strip() for cell in row] for row in cells]
-
-
-def test_without_networks_the_page_says_how_to_train_them(pages: dict[str, Page]) -> None:
+def test_without_networks_the_page_says_how_to_train_them(pages: dict[str, Built]) -> None:
     html = pages["without"].html
     assert "DQN not run at this budget" in html
     assert "<code>./run dvc exp run -S budgets.quick.dqn.repeats=3</code>" in html
@@ -99,13 +71,13 @@ def test_without_networks_the_page_says_how_to_train_them(pages: dict[str, Page]
     assert [row[-1] for row in findings if row[2] != "world model"] == ["not run"] * 3
 
 
-def test_with_networks_both_judges_have_their_curves(pages: dict[str, Page]) -> None:
+def test_with_networks_both_judges_have_their_curves(pages: dict[str, Built]) -> None:
     html = pages["with"].html
     assert "DQN not run" not in html
     assert html.count("<figcaption>DQN, θ = ") == html.count("<figcaption>world model, θ = ") == 3
 
 
-def test_equal_frames_count_what_the_world_model_saw_before(pages: dict[str, Page]) -> None:
+def test_equal_frames_count_what_the_world_model_saw_before(pages: dict[str, Built]) -> None:
     html, folder = pages["with"].html, pages["with"].folder
     frames = float(re.search(r"after equally many frames \((\d+), in training\)", html)[1])
     controller = pl.read_csv(folder / f"reports/branches/{SCENE}/{SCENE}-a/controller.csv")
@@ -120,7 +92,7 @@ def test_equal_frames_count_what_the_world_model_saw_before(pages: dict[str, Pag
     assert row[8] == score(last["mean"].mean())
 
 
-def test_every_cell_of_every_table_is_a_twins_number(pages: dict[str, Page]) -> None:
+def test_every_cell_of_every_table_is_a_twins_number(pages: dict[str, Built]) -> None:
     html, folder = pages["with"].html, pages["with"].folder
     regions = set(re.findall(r'role="region" aria-label="([^"]*)"', html))
     wanted = expected(folder / TABLES)
@@ -136,18 +108,22 @@ def test_every_cell_of_every_table_is_a_twins_number(pages: dict[str, Page]) -> 
         assert found == cells, region
 
 
-def test_every_number_in_the_sentences_is_the_rankings(pages: dict[str, Page]) -> None:
+def test_every_number_in_the_sentences_is_the_rankings(pages: dict[str, Built]) -> None:
     html, ranking = pages["with"].html, pages["with"].ranking
-    gap, spread = ranking["gap"], ranking["spread"]
-    said = f"A gap of {score(gap['score'])} in score ({score(gap['metres'])} m), were it there, is told with"
-    assert f"{said} {gap['repeats_needed']} repeats." in html
-    assert f"standard deviation {spread['pooled_sd']:.2f} m ({spread['df']:.1f} degrees of freedom)" in html
+    spread, race = ranking["spread"], ranking["race"]
+    assert f"standard deviation {spread['sd']:.3f} ({spread['df']:.0f} degrees of freedom)" in html
+    lead = f"{score(race['lead_low'])} to {score(race['lead_high'])}"
+    assert f"The lead of a over the best of the others: {lead}." in html
+    unit, blind = score(ranking["unit_m"]), score(ranking["blind_m"])
+    assert f"A score of 1 is {unit} m of return above target-blind, {blind} m." in html
     card = html.split(f'href="#scene-{SCENE}"', 2)[2].split("</article>", 1)[0]
-    for key in ranking["verdict"]["keys"]:
-        row = ranking["viewpoints"][key]
-        assert f"score {score(row['score_mean'])} ({interval(row['score_low'], row['score_high'])})" in card
-    more = ranking["verdict"]["more_repeats"]
-    assert (f"; about {more} more repeats to tell " in card) == (more is not None)
+    row = ranking["viewpoints"][ranking["answer"]["keys"][0]]
+    assert f"score {score(row['score_mean'])} ({interval(row['score_low'], row['score_high'])})" in card
+    spent = sum(row["repeats"] for row in ranking["viewpoints"].values())
+    assert f"{race['common']} of at most {ranking['most']} repeats raced, {spent} trainings spent" in card
+    rows_of = json.loads((pages["with"].folder / TABLES / "coverage.json").read_text(encoding="utf-8"))
+    worst, least = max(row["wrong"] for row in rows_of), min(row["covered"] for row in rows_of)
+    assert f"at most {fraction(worst)} of a kind" in html and f"in at least {fraction(least)}." in html
     ended = json.loads(
         (pages["with"].folder / f"reports/branches/{SCENE}/{SCENE}-a/evaluation.json").read_text()
     )
