@@ -10,7 +10,6 @@ import yaml
 from pipeline.contract.artefacts import write_json
 from runner.words import announcement, answers
 
-
 SCENES = ("panda_2dof", "fetch_reach")
 
 
