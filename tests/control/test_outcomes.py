@@ -35,8 +35,8 @@ def test_means_over_repeats_and_of_each() -> None:
 
 def test_evaluation_episodes_are_kept_apart(scene: Scene) -> None:
     held_out = evaluation_episodes(scene, 8, seed=1, repeat=0)
-    np.testing.assert_array_equal(held_out.target_m, evaluation_episodes(scene, 8, 1, 0).target_m)
-    assert not np.isin(held_out.target_m[:, 1], evaluation_episodes(scene, 8, 1, 1).target_m[:, 1]).any()
+    np.testing.assert_array_equal(held_out.start_m, evaluation_episodes(scene, 8, 1, 0).start_m)
+    assert not np.isin(held_out.start_m[:, 1], evaluation_episodes(scene, 8, 1, 1).start_m[:, 1]).any()
     for stream in (seeds.Stream.TRAINING_EPISODES, seeds.Stream.BLIND, seeds.Stream.ROLLOUTS):
         trained = draw_episodes(scene, 8, seeds.generator(1, 0, stream))
-        assert not np.isin(held_out.target_m[:, 1], trained.target_m[:, 1]).any()
+        assert not np.isin(held_out.start_m[:, 1], trained.start_m[:, 1]).any()

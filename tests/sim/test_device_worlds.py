@@ -189,9 +189,10 @@ def peaks(scene: Scene, episodes: int) -> tuple[int, int]:
 
 
 def near(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """The corners, m, of what to lean on: the obstacle and a little about it, or else the workspace."""
+    """The corners, m, of what to lean on: the obstacle and a little about it, or else the table."""
     if not scene.params.obstacles:
-        return np.asarray(scene.params.workspace.low_m), np.asarray(scene.params.workspace.high_m)
+        low_m, high_m = np.asarray(scene.params.workspace.low_m), np.asarray(scene.params.workspace.high_m)
+        return low_m, np.append(high_m[:2], low_m[2] + 0.1)
     box = scene.params.obstacles[0]
     half = 1.5 * np.asarray(box.half_size_m)
     return np.asarray(box.center_m) - half, np.asarray(box.center_m) + half
