@@ -58,5 +58,5 @@ def frames_per_s(name: str, count: int = CANDIDATES, each: int = EPISODES) -> fl
 def branch_min() -> float:
     """Minutes that the stages of one viewpoint take, as dvc.yaml runs them, from the scene's rollouts on."""
     with tempfile.TemporaryDirectory() as folder:
-        repeats = params.value("budgets", BUDGET, "repeats")
+        repeats = params.value("budgets", BUDGET, "race", "first")
         return sum(trained(Path(folder), BUDGET, repeats).values()) / 60

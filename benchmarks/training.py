@@ -1,7 +1,7 @@
 """One training at the quick budget: the real stages of one branch, in a temporary folder.
 
-As many repeats as there are cores, since they train side by side, and their time shared out. They bear the
-starts of all stages by themselves, so it bounds from above what a training costs among more repeats.
+As many repeats as there are cores, two at least, since they train side by side, and their time shared out.
+They bear the starts of all stages by themselves, so it bounds from above what a training costs among more.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import Any
 import yaml
 
 from benchmarks.rows import AT_MOST, Row, goal_row
+from pipeline.contract.allocation import ALLOCATION_FILE, Allocation, write_allocation
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import cores
 
@@ -31,7 +32,7 @@ TABLE = "one training, quick budget, by stage"
 
 def measure() -> list[Row]:
     """The training's row, and its stages' seconds as a table; rollouts, the scene's, do not count."""
-    repeats = cores()
+    repeats = max(2, cores())
     with tempfile.TemporaryDirectory() as folder:
         seconds = {stage: s / repeats for stage, s in trained(Path(folder), "quick", repeats).items()}
     whole, scene = sum(seconds.values()), _view()["scene"]
@@ -47,8 +48,11 @@ def trained(folder: Path, budget: str, repeats: int) -> dict[str, float]:
         BelvedereError: a stage failed.
     """
     tree = _read("params.yaml")
-    tree["budget"], tree["budgets"][budget]["repeats"] = budget, repeats
+    tree["budget"], tree["budgets"][budget]["race"] = budget, {"first": repeats, "most": repeats}
     (folder / "params.yaml").write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
+    # no number of repeats is allocated, so all have the first
+    nothing = Allocation(budget=budget, seed=tree["seed"], scenes={}, branches={})
+    write_allocation(nothing, folder / ALLOCATION_FILE)
     _run(folder, command("rollouts"))
     seconds = {}
     for stage in STAGES:

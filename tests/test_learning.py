@@ -24,7 +24,7 @@ def test_from_a_good_view_the_default_budget_leaves_blind_behind(clone: Clone) -
     assert expert - blind >= 0.5 * (expert - no_op)
     params = yaml.safe_load((clone.root / "params.yaml").read_text(encoding="utf-8"))
     sizes = params["budgets"][params["budget"]]
-    assert len(returned["repeats"]) == sizes["repeats"]
+    assert len(returned["repeats"]) >= sizes["race"]["first"]
     assert len(anchors["repeats"]) == sizes["race"]["first"]
     assert (returned["return_mean"] - blind) / (expert - blind) >= 0.5
 

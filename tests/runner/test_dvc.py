@@ -13,7 +13,7 @@ from runner.dvc import Loader
 from tests.support import ROOT, Clone, ran
 
 WORDS = ["no", "on", "y", "null", "~", "0o17", "0x1f", "030", "1_000", "12:30"]
-WORDS += ["1e5", "1e-05", "1.", ".5", "-.inf", "1_0.5", "+7", "-"]
+WORDS += ["1e5", "1e-05", "1.", ".5", "-.inf", "1_0.5", "+7"]
 VALUES = [None, True, -3, 1e-05, 1e300, 0.1, -math.inf, "", "a b", "ä", "- x", "a: b", "#", "it's", *WORDS]
 
 

@@ -13,10 +13,10 @@ from pipeline.contract.errors import BelvedereError
 BELOW_THE_DESK = {"scene": "panda_2dof", "theta": 0.0, "phi": -30.0}
 
 
-@pytest.mark.parametrize(
-    ("stage", "files"),
-    [(frames, ("branch", "rollouts", "out", "picture")), (dqn, ("out", "curve", "metrics"))],
-)
+FILES = {frames: ("branch", "rollouts", "out", "picture"), dqn: ("out", "curve", "metrics")}
+
+
+@pytest.mark.parametrize(("stage", "files"), FILES.items())
 def test_a_view_that_hides_a_target_is_refused_before_any_work(
     stage: Any, files: tuple[str, ...], tmp_path: Path
 ) -> None:
