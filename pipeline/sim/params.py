@@ -11,8 +11,6 @@ from pipeline.contract.params import Section
 Axis = Literal["x", "y", "z"]
 Vector = tuple[float, float, float]
 Positive = Annotated[float, Field(gt=0)]
-Share = Annotated[float, Field(ge=0, le=1)]
-Rgb = tuple[Share, Share, Share]
 AXES: tuple[Axis, ...] = ("x", "y", "z")
 
 
@@ -77,11 +75,7 @@ class Light(Section):
 
 
 class SceneParams(Section):
-    """A scene: robot, controlled axes, start, targets, obstacles, camera, lights.
-
-    ``paint_rgb``: colours, by body, that take the place of those in the robot's files; the robot's bodies
-    are named without its prefix.
-    """
+    """A scene: robot, controlled axes, start, targets, obstacles, camera, lights."""
 
     robot: str
     axes: Annotated[tuple[Axis, ...], Field(min_length=1, max_length=3)]
@@ -96,7 +90,6 @@ class SceneParams(Section):
     obstacle_clearance_m: Annotated[float, Field(ge=0)]
     camera: Camera
     light: Light
-    paint_rgb: dict[str, Rgb]
 
     @model_validator(mode="after")
     def _axes_ordered(self) -> SceneParams:

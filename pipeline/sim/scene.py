@@ -11,7 +11,7 @@ import mujoco
 from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.sim.params import AXES, SceneParams
-from pipeline.sim.robots import HIDDEN_GROUP, TIP, Robot, limit_contacts, robot, settle_fetch
+from pipeline.sim.robots import TIP, Robot, limit_contacts, robot, settle_fetch
 
 TARGET = "target"
 CAMERA = "viewpoint"
@@ -97,7 +97,6 @@ def compile_scene(name: str, scene: SceneParams) -> Scene:
     limit_contacts(spec, arm)
     _add_target(spec, scene)
     spec.worldbody.add_camera(name=CAMERA, fovy=scene.camera.fov_deg)
-    _paint(spec, name, scene, arm)
     try:
         model = spec.compile()
     except ValueError as error:
@@ -128,17 +127,6 @@ def _add_desk(spec: mujoco.MjSpec, scene: SceneParams) -> None:
     spec.worldbody.add_geom(
         name="desk", type=mujoco.mjtGeom.mjGEOM_BOX, pos=center, size=half_size, rgba=_DESK_RGBA
     )
-
-
-def _paint(spec: mujoco.MjSpec, name: str, scene: SceneParams, arm: Robot) -> None:
-    """Gives the bodies of ``paint_rgb`` their colours."""
-    by_name = {body.name.removeprefix(arm.prefix): body for body in spec.bodies}
-    for body, rgb in scene.paint_rgb.items():
-        if body not in by_name:
-            raise unknown(f"body (in scenes.{name}.paint_rgb)", body, by_name)
-        for geom in by_name[body].geoms:
-            if geom.group != HIDDEN_GROUP:
-                geom.rgba, geom.material = (*rgb, 1.0), ""
 
 
 def _add_lights(spec: mujoco.MjSpec, scene: SceneParams) -> None:

@@ -12,8 +12,7 @@ import yaml
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.params import PARAMS_FILE
 from pipeline.sim import robots
-from pipeline.sim.scene import Scene, compile_scene, load_scene
-from tests.sim.conftest import compiled
+from pipeline.sim.scene import Scene, load_scene
 
 
 def changed(tmp_path: Path, scene: str, **values: object) -> Path:
@@ -40,8 +39,6 @@ def changed(tmp_path: Path, scene: str, **values: object) -> Path:
         ({"axes": ["z", "y"]}, "must be some of x, y, z"),
         ({"target__candidates_m": [[0.5, 0.9, 0.2]]}, "leaves the workspace"),
         ({"colour": "red"}, "colour = 'red' is not valid"),
-        ({"paint_rgb": {"hannd": [0, 0, 0]}}, "body (in scenes.panda_2dof.paint_rgb) 'hannd' is unknown"),
-        ({"paint_rgb": {"link7": [0, 0, 2]}}, "paint_rgb.link7.2 = 2 is not valid"),
     ],
 )
 def test_bad_scenes_are_told_in_a_sentence(tmp_path: Path, values: dict[str, object], told: str) -> None:
@@ -70,21 +67,6 @@ def test_nothing_can_touch_the_target(scene: Scene) -> None:
     assert geom.contype == 0
     assert geom.conaffinity == 0
     assert geom.type == mujoco.mjtGeom.mjGEOM_SPHERE
-
-
-def test_paint_takes_the_place_of_the_files_colours_and_of_nothing_else() -> None:
-    params = compiled("fetch_reach").params
-    plain, painted = (
-        compile_scene("fetch_reach", params.model_copy(update={"paint_rgb": paint})).model
-        for paint in ({}, {"gripper_link": (0.1, 0.2, 0.3), "table0": (0.5, 0.5, 0.5)})
-    )
-    bodies = [plain.body(body).name for body in plain.geom_bodyid]
-    touched = np.isin(bodies, ["robot0:gripper_link", "table0"])
-    assert touched.sum() == 2
-    np.testing.assert_allclose(painted.geom_rgba[touched], [[0.1, 0.2, 0.3, 1.0], [0.5, 0.5, 0.5, 1.0]])
-    assert (painted.geom_matid[touched] == -1).all()  # so that no material's colour shows through
-    np.testing.assert_array_equal(painted.geom_rgba[~touched], plain.geom_rgba[~touched])
-    np.testing.assert_array_equal(painted.body_mass, plain.body_mass)
 
 
 def test_light_is_symmetric_about_the_vertical(scene: Scene) -> None:
