@@ -48,32 +48,39 @@ def trained(folder: Path, budget: str, repeats: int) -> dict[str, float]:
         BelvedereError: a stage failed.
     """
     tree = _read("params.yaml")
-    tree["budget"], tree["budgets"][budget]["race"] = budget, {"first": repeats, "most": repeats}
-    (folder / "params.yaml").write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
-    # no number of repeats is allocated, so all have the first
-    nothing = Allocation(budget=budget, seed=tree["seed"], scenes={}, branches={})
-    write_allocation(nothing, folder / ALLOCATION_FILE)
-    _run(folder, command("rollouts"))
+    tree["budget"] = budget
+    give_repeats(folder, tree, repeats)
+    view = _view()
+    _run(folder, [sys.executable, *command("rollouts", BRANCH, view)])
     seconds = {}
     for stage in STAGES:
         begin = time.perf_counter()
-        _run(folder, command(stage))
+        _run(folder, [sys.executable, *command(stage, BRANCH, view)])
         seconds[stage] = time.perf_counter() - begin
     return seconds
 
 
-def command(stage: str) -> list[str]:
-    """The stage's command for the branch, as dvc.yaml has it, with this Python."""
-    view = _view()
+def give_repeats(folder: Path, tree: dict[str, Any], repeats: int) -> None:
+    """Writes the parameters ``tree`` into ``folder``, where a branch then has so many repeats, two at least."""
+    budget = tree["budget"]
+    tree["budgets"][budget]["race"] = {"first": repeats, "most": repeats}
+    (folder / "params.yaml").write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
+    # no number is allocated, so each has the first
+    nothing = Allocation(budget=budget, seed=tree["seed"], scenes={}, branches={})
+    write_allocation(nothing, folder / ALLOCATION_FILE)
+
+
+def command(stage: str, branch: str, view: dict[str, Any]) -> list[str]:
+    """The words that stand behind ``python`` in the stage's command for a branch, as dvc.yaml has it."""
     # a stage of a scene is given the scene's name, one of a branch its key and its viewpoint
-    values: dict[str, Any] = {"item": view["scene"], "key": BRANCH}
+    values: dict[str, Any] = {"item": view["scene"], "key": branch}
     values |= {f"item.{name}": value for name, value in view.items()}
     text = _read("dvc.yaml")["stages"][stage]["do"]["cmd"]
     filled = re.sub(r"\$\{([^}]+)\}", lambda found: str(values[found[1]]), text)
     program, *arguments = shlex.split(filled)
     if program != "python":
         raise ValueError(f"stage {stage} starts {program}")
-    return [sys.executable, *arguments]
+    return arguments
 
 
 def _run(folder: Path, words: list[str]) -> None:
