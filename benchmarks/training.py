@@ -61,7 +61,7 @@ def trained(folder: Path, budget: str, repeats: int) -> dict[str, float]:
 
 
 def give_repeats(folder: Path, tree: dict[str, Any], repeats: int) -> None:
-    """Writes the parameters ``tree`` into ``folder``, where a branch then has so many repeats, two at least."""
+    """Writes parameters ``tree`` into ``folder``, where a branch then has so many repeats, two at least."""
     budget = tree["budget"]
     tree["budgets"][budget]["race"] = {"first": repeats, "most": repeats}
     (folder / "params.yaml").write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
