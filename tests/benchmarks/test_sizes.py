@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.sizes import PARTS, changed, guessing_m, measured, scored
+from benchmarks.sizes import KEY, PARTS, changed, guessing_m, measured, scored
+from benchmarks.training import command
 from pipeline.contract import zarrs
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.stage import parser
 
 EPISODES, FRAMES = 200, 5
 
@@ -44,6 +47,13 @@ def test_guessing_errs_by_the_spread_of_the_way(tmp_path: Path) -> None:
     zarrs.write(tmp_path / "frames.zarr", zarrs.FRAMES, arrays, {})
     variance = 3 * (0.6**2 + 1.2**2) / 12
     assert guessing_m(tmp_path / "frames.zarr") == pytest.approx(np.sqrt(variance), rel=0.15)
+
+
+@pytest.mark.parametrize("stage", [*PARTS, "anchors"])
+def test_each_stage_takes_the_flags_that_it_is_given(stage: str) -> None:
+    _, name, *flags = command(stage, KEY, {"scene": "panda_1dof", "theta": 60, "phi": 35})
+    given = parser(import_module(name).main).parse_args(flags)
+    assert given.scene == "panda_1dof" if "scene" in given else given.out
 
 
 @pytest.mark.slow
