@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.sizes import PARTS, changed, measured, scored
+from benchmarks.sizes import KEY, PARTS, changed, measured, scored
+from benchmarks.training import command
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.stage import parser
 
 
 def test_a_change_is_put_in_its_place_and_nowhere_else() -> None:
@@ -27,6 +30,13 @@ def test_a_change_without_a_place_is_told_in_one_sentence(change: str) -> None:
 def test_anchors_have_the_scores_nought_and_one() -> None:
     found = scored([-6.0, -0.5, -3.25], {"blind_mean": -6.0, "expert_mean": -0.5})
     np.testing.assert_allclose(found, [0.0, 1.0, 0.5])
+
+
+@pytest.mark.parametrize("stage", [*PARTS, "anchors"])
+def test_each_stage_takes_the_flags_that_it_is_given(stage: str) -> None:
+    _, name, *flags = command(stage, KEY, {"scene": "panda_1dof", "theta": 60, "phi": 35})
+    given = parser(import_module(name).main).parse_args(flags)
+    assert given.scene == "panda_1dof" if "scene" in given else given.out
 
 
 @pytest.mark.slow
