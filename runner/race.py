@@ -19,7 +19,7 @@ from pipeline.contract.errors import BelvedereError
 from runner.plan import Job, Pipeline, jobs
 
 RANKINGS = Path("reports/rankings")
-ROUND = 2  # repeats that a viewpoint gets at a time, since starting its stages costs about half of a training
+ROUND = 2  # repeats that a viewpoint gets at a time: starting its stages costs about a third of a training
 
 
 def allocate() -> Allocation:
