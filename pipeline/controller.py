@@ -1,4 +1,8 @@
-"""Evolves the controller of one viewpoint: one search per repeat, in the closed loop with the simulator."""
+"""Evolves the controller of one viewpoint: one search per repeat, in the closed loop with the simulator.
+
+Where the VAE's code does not hold the way to the target, a search has nothing to find: it ends after one
+generation, which shows where it would begin.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +16,7 @@ from pipeline.contract import params, scratch, zarrs
 from pipeline.contract.artefacts import writing
 from pipeline.contract.machine import cores
 from pipeline.contract.repeats import Place, code_digest, finished_together
+from pipeline.contract.sight import read_sight
 from pipeline.contract.stage import entry
 from pipeline.control.first import Experience
 from pipeline.control.jobs import Networks
@@ -28,13 +33,23 @@ READ = ("mean", "action", "reward")
 
 
 def main(
-    *, scene: str, theta: float, phi: float, latents: Path, vae: Path, mdnrnn: Path, out: Path, curve: Path
+    *,
+    scene: str,
+    theta: float,
+    phi: float,
+    probes: Path,
+    latents: Path,
+    vae: Path,
+    mdnrnn: Path,
+    out: Path,
+    curve: Path,
 ) -> None:
-    """Writes ``out/repeat_{r}.npz`` and the curves of all repeats."""
+    """Writes ``out/repeat_{r}.npz`` and the curves of all repeats; ``probes`` are the VAE's metrics."""
     compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
+    sizes = search_sizes(scene, probes)
     store = zarrs.Store(latents, zarrs.LATENTS, "latents")
     models = [(vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt") for r in range(store.repeats)]
-    results = evolve_repeats(compiled, view, place, store, models)
+    results = evolve_repeats(compiled, view, place, sizes, store, models)
     with writing(out) as folder:
         folder.mkdir()
         for repeat, result in enumerate(results):
@@ -45,12 +60,23 @@ def main(
         pl.concat(rows).write_csv(aside)
 
 
+def search_sizes(scene: str, probes: Path) -> SearchSizes:
+    """The budget's sizes, with one generation where the code does not tell tip - target."""
+    sizes = params.budget_section(SearchSizes, "controller", scene)
+    sight = read_sight(probes, probes.parent.name, params.first_repeats(), params.sight_share())
+    return sizes.model_copy(update={"generations": 1}) if sight.misses else sizes
+
+
 def evolve_repeats(
-    scene: Scene, view: Viewpoint, place: Compute, latents: zarrs.Store, models: Sequence[tuple[Path, Path]]
+    scene: Scene,
+    view: Viewpoint,
+    place: Compute,
+    sizes: SearchSizes,
+    latents: zarrs.Store,
+    models: Sequence[tuple[Path, Path]],
 ) -> list[Path]:
     """The scratch folders of the repeats' finished ``controller.npz`` and ``curve.parquet``."""
-    method = params.section(ControllerParams, "controller")
-    sizes, seed = params.budget_section(SearchSizes, "controller", scene.name), params.seed()
+    method, seed = params.section(ControllerParams, "controller"), params.seed()
 
     def make(places: Mapping[int, Place]) -> None:
         networks = {r: Networks.load(*models[r], place) for r in places}

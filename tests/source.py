@@ -118,10 +118,12 @@ def _key_read(file: str, call: ast.Call) -> str | None:
             return ".".join(words[1:])
         case "budget_section":
             return f"budgets.${{budget}}.{words[1]}"
-        case "race" | "first_repeats":
+        case "race":
             return "budgets.${budget}.race"
+        case "first_repeats":
+            return "budgets.${budget}.race.first"
         case "budget":
             return "budget"
-        case "seed" | "heldout_share":
+        case "seed" | "heldout_share" | "sight_share":
             return reader
     return None

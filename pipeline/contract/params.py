@@ -154,9 +154,16 @@ def seed(path: Path = PARAMS_FILE) -> int:
 
 def heldout_share(path: Path = PARAMS_FILE) -> float:
     """The share of a repeat's episodes on which no network is trained."""
-    share = value("heldout_share", path=path)
+    return _share("heldout_share", path)
+
+
+def sight_share(path: Path = PARAMS_FILE) -> float:
+    """Where a probe of tip - target errs by more than this share of a guess's error, the judge cannot see."""
+    return _share("sight_share", path)
+
+
+def _share(name: str, path: Path) -> float:
+    share = value(name, path=path)
     if not isinstance(share, (int, float)) or isinstance(share, bool) or not 0 < share < 1:
-        raise BelvedereError(
-            f"{path}: heldout_share = {share!r} is not valid; it lies strictly between 0 and 1."
-        )
+        raise BelvedereError(f"{path}: {name} = {share!r} is not valid; it lies strictly between 0 and 1.")
     return float(share)

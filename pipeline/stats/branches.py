@@ -13,6 +13,7 @@ from pipeline.contract import params
 from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.params import Section
+from pipeline.contract.sight import Sight, read_sight
 from pipeline.stats.reading import (
     COMPARED,
     COMPARED_WITH_ANCHORS,
@@ -21,7 +22,6 @@ from pipeline.stats.reading import (
     foreign,
     made_with,
 )
-from pipeline.stats.sight import Sight, read_sight
 
 ANCHORS = ("no_op", "blind", "expert")
 
@@ -128,7 +128,7 @@ def read_results(
         folder: holds one folder per branch; those that params.yaml does not name are passed over.
         anchors: the scene's anchors.
         first: repeats that every branch and the anchors have.
-        sight_share: see :func:`pipeline.stats.sight.read_sight`.
+        sight_share: see :func:`pipeline.contract.sight.read_sight`.
         mix: accept branches that were made differently.
         path: the parameter file.
 

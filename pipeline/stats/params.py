@@ -14,10 +14,8 @@ class RankingParams(Section):
         confidence: level of the answer and of all intervals; those of :data:`pipeline.stats.dunnett.TAILS`.
         tolerance: a race ends when its leader is the best or within this of it (score).
         equivalence_margin: differences in score whose 90 % interval lies within ± this are called none.
-        sight_share: where a probe's error is above this share of guessing's, the judge cannot see.
     """
 
     confidence: float = Field(gt=0, lt=1)
     tolerance: float = Field(gt=0)
     equivalence_margin: float = Field(gt=0)
-    sight_share: float = Field(gt=0)

@@ -9,6 +9,7 @@ import torch
 import yaml
 
 from pipeline.contract import params, zarrs
+from pipeline.contract.artefacts import write_json
 from pipeline.learning import checkpoints
 from pipeline.worldmodel.mdnrnn import MdnRnn, save_mdnrnn
 from pipeline.worldmodel.vae import Vae
@@ -18,10 +19,11 @@ ROOT = Path(__file__).resolve().parents[2]
 SCENE, ACTIONS = "panda_2dof", 2
 VIEW = {"scene": SCENE, "theta": 45.0, "phi": 15.0}
 EPISODES, FRAMES = 6, 4
+FIRST = 2  # repeats before any comparison
 
 
 def write_params(folder: Path, generations: int = 2, seed: int = 1) -> None:
-    """The repository's params.yaml with short episodes and few of them; two repeats before any comparison."""
+    """The repository's params.yaml with short episodes and few of them."""
     tree = yaml.safe_load(
         (Path(__file__).resolve().parents[2] / params.PARAMS_FILE).read_text(encoding="utf-8")
     )
@@ -36,7 +38,7 @@ def write_params(folder: Path, generations: int = 2, seed: int = 1) -> None:
     }
     tree["budget"], tree["seed"] = "short", seed
     tree["budgets"]["short"] = {
-        "race": {"first": 2, "most": 3},
+        "race": {"first": FIRST, "most": 3},
         "controller": search,
         "evaluation": {"episodes": 4},
     }
@@ -50,6 +52,15 @@ def write_world_model(folder: Path, repeats: int = 1) -> dict[str, Path]:
         checkpoints.save(folder / f"vae/repeat_{repeat}.pt", Vae().state_dict())
         save_mdnrnn(folder / f"mdnrnn/repeat_{repeat}.pt", MdnRnn(ACTIONS, log_sigma_bound=5.0))
     return {"vae": Path("vae"), "mdnrnn": Path("mdnrnn")}
+
+
+def write_probes(folder: Path, sees: bool = True) -> dict[str, Path]:
+    """The flag ``probes``: metrics of a VAE whose code tells, or does not tell, where tip and target are."""
+    entries = ("tip_m", "target_m", "tip_to_target_m")
+    errors = {f"probe_mlp_{name}": 0.01 if sees else 0.19 for name in entries}
+    errors |= {f"guess_{name}": 0.2 for name in entries}
+    write_json(folder / "vae.json", {"repeats": [{"repeat": r, **errors} for r in range(FIRST)]})
+    return {"probes": Path("vae.json")}
 
 
 def write_latents(folder: Path, repeats: int = 1) -> dict[str, Path]:

@@ -15,7 +15,15 @@ from pipeline import controller
 from pipeline.contract.errors import BelvedereError
 from pipeline.control import loop
 from pipeline.control.policy import load_controller
-from tests.stages.control_stages import ACTIONS, FRAMES, VIEW, write_latents, write_params, write_world_model
+from tests.stages.control_stages import (
+    ACTIONS,
+    FRAMES,
+    VIEW,
+    write_latents,
+    write_params,
+    write_probes,
+    write_world_model,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 OUTS = {"out": Path("controller"), "curve": Path("curve.csv")}
@@ -23,6 +31,7 @@ OUTS = {"out": Path("controller"), "curve": Path("curve.csv")}
 
 def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     models = write_world_model(workplace, repeats=2) | write_latents(workplace, repeats=1)
+    models |= write_probes(workplace)
     write_params(workplace)
     controller.main(**VIEW, **models, **OUTS)
     first = (workplace / "controller/repeat_0.npz").read_bytes()
@@ -44,7 +53,7 @@ def test_more_repeats_evolve_only_the_added_ones(workplace: Path, monkeypatch: p
 def test_repeats_that_evolve_together_equal_those_that_evolve_one_by_one(
     workplace: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    models = write_world_model(workplace, repeats=3)
+    models = write_world_model(workplace, repeats=3) | write_probes(workplace)
     write_params(workplace)
     outs = {name: workplace / path for name, path in OUTS.items()}
     found = []
@@ -63,7 +72,9 @@ def test_a_missing_world_model_leaves_nothing_behind(workplace: Path) -> None:
     write_params(workplace)
     latents = write_latents(workplace)
     with pytest.raises(BelvedereError, match="dvc repro vae"):
-        controller.main(**VIEW, **latents, vae=Path("vae"), mdnrnn=Path("mdnrnn"), **OUTS)
+        controller.main(
+            **VIEW, **latents, **write_probes(workplace), vae=Path("vae"), mdnrnn=Path("mdnrnn"), **OUTS
+        )
     assert not (workplace / "controller").exists()
     assert not (workplace / "curve.csv").exists()
 
@@ -71,13 +82,35 @@ def test_a_missing_world_model_leaves_nothing_behind(workplace: Path) -> None:
 def test_missing_latents_are_named(workplace: Path) -> None:
     write_params(workplace)
     with pytest.raises(BelvedereError, match="dvc repro latents"):
-        controller.main(**VIEW, latents=Path("none"), vae=Path("vae"), mdnrnn=Path("mdnrnn"), **OUTS)
+        controller.main(
+            **VIEW, **write_probes(workplace), **write_world_model(workplace), latents=Path("none"), **OUTS
+        )
+    assert not (workplace / "controller").exists()
+
+
+def test_where_the_code_tells_nothing_the_search_ends_after_one_generation(workplace: Path) -> None:
+    write_params(workplace)
+    models = write_world_model(workplace) | write_latents(workplace)
+    controller.main(**VIEW, **models, **write_probes(workplace, sees=True), **OUTS)
+    searched = pl.read_csv(workplace / "curve.csv")
+    controller.main(**VIEW, **models, **write_probes(workplace, sees=False), **OUTS)
+    start = pl.read_csv(workplace / "curve.csv")
+    assert searched["generation"].to_list() == [0, 1]
+    assert start.equals(searched.head(1))  # the same start, on the same episodes
+    assert load_controller(workplace / "controller/repeat_0.npz", ACTIONS).any()
+
+
+def test_missing_probes_are_named(workplace: Path) -> None:
+    write_params(workplace)
+    models = write_world_model(workplace) | write_latents(workplace)
+    with pytest.raises(BelvedereError, match="dvc repro vae"):
+        controller.main(**VIEW, **models, probes=Path("vae.json"), **OUTS)
     assert not (workplace / "controller").exists()
 
 
 @pytest.mark.slow
 def test_killed_it_continues_to_the_same_bytes(workplace: Path) -> None:
-    models = write_world_model(workplace) | write_latents(workplace)
+    models = write_world_model(workplace) | write_latents(workplace) | write_probes(workplace)
     write_params(workplace, generations=12)
     flags = [f"--{name}={value}" for name, value in {**VIEW, **models, **OUTS}.items()]
     command = [sys.executable, "-m", "pipeline.controller", *flags]

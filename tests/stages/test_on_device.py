@@ -14,7 +14,7 @@ from pipeline import controller, evaluation
 from pipeline.control.device_loop import DeviceLoop
 from pipeline.sim.scene import Scene
 from tests.sim.device_cases import DEVICES
-from tests.stages.control_stages import VIEW, write_latents, write_params, write_world_model
+from tests.stages.control_stages import VIEW, write_latents, write_params, write_probes, write_world_model
 
 SEARCHED = {"out": Path("controller"), "curve": Path("curve.csv")}
 JUDGED = {"out": Path("rows.parquet"), "metrics": Path("metrics.json"), "clip": Path("clip.webp")}
@@ -33,6 +33,7 @@ def test_they_do_what_they_do_on_the_cpu(
 ) -> None:
     """Of the first generation: later ones may part on an error of rounding."""
     models = write_world_model(workplace, repeats=2) | write_latents(workplace, repeats=2)
+    models |= write_probes(workplace)
     write_params(workplace, generations=1)
     curve, rows = stages(models)
     place, asked = torch.device(device), []

@@ -40,9 +40,9 @@ class Written:
                 "confidence": 0.95,
                 "tolerance": 0.05,
                 "equivalence_margin": 0.1,
-                "sight_share": 0.5,
                 "scenes": {"other": {"tolerance": 0.5}},
             },
+            "sight_share": 0.5,
             "budget": "few",
             "budgets": {"few": {"race": {"first": 3, "most": 20}}},
             "viewpoints": {},
@@ -155,10 +155,12 @@ def test_a_view_at_which_the_judge_cannot_see_is_not_raced(written: Written) -> 
     assert (view["state"], view["misses"], view["behind_leader"]) == ("cannot see", ["tip"], None)
     assert (view["probe_m"], view["guess_m"]) == (pytest.approx(0.15), pytest.approx(0.2))
     assert content["answer"]["keys"] == ["reach-b"]
+    assert all("reach-a" not in baseline["values"] for baseline in content["baselines"])
     for key in VIEWS:
         written.edit(f"branches/{key}/vae.json", lambda c: [row.update(dark) for row in c["repeats"]])
     content = written.rank()
     assert (content["answer"]["kind"], content["race"]["open"]) == ("cannot see", False)
+    assert content["baselines"] == []
     assert pl.read_csv("out/reach.csv")["misses"].to_list() == ["tip"] * 3
 
 

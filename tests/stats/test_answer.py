@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pipeline.contract.sight import Sight
 from pipeline.stats.answer import Answer, answer, race_part
 from pipeline.stats.branches import Branch, Results
 from pipeline.stats.race import Rules
 from pipeline.stats.ranks import Ranked, rank
 from pipeline.stats.replay import Race, replay
-from pipeline.stats.sight import Sight
 from pipeline.stats.words import progress, sentence
 
 RULES = Rules(first=3, most=20, tolerance=0.05, probability=0.008)

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.sight import Sight
 from pipeline.stats.branches import Branch, Results
 from pipeline.stats.claims import Claim
 from pipeline.stats.dqn import DqnResults, read_dqn
 from pipeline.stats.params import RankingParams
 from pipeline.stats.section3 import comparison
-from pipeline.stats.sight import Sight
 
 ANGLES = [(t, p) for p in (30.0, 45.0) for t in (0.0, 45.0, 90.0)]
 KEYS = [f"reach-{letter}" for letter in "abcdef"]
-METHOD = RankingParams(confidence=0.95, tolerance=0.05, equivalence_margin=0.1, sight_share=0.5)
+METHOD = RankingParams(confidence=0.95, tolerance=0.05, equivalence_margin=0.1)
 SEEN = Sight(0.02, 0.2, [])
 CLAIMS = [
     Claim(

@@ -1,5 +1,7 @@
 """Does the judge see at all? What a probe reads from a view's code, against what guessing gives.
 
+The stage `controller` asks it before it searches, and `ranking` before it compares.
+
 The first network's code has to hold where the target is from the tip, or what follows is trained on nothing.
 A multilayer perceptron is trained to read it (stage `vae`); guessing is the training mean. Both are root mean
 squared distances on held-out episodes.
