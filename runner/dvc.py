@@ -8,10 +8,12 @@ of branches are forked from one process (:mod:`runner.warm`). What comes out is 
 
 from __future__ import annotations
 
+import pickle
 import re
 import shlex
 import signal
 import sys
+from functools import lru_cache
 from typing import Any
 
 import yaml
@@ -47,8 +49,15 @@ for _tag, _pattern, _first in _SCALARS:
 Loader.add_constructor("tag:yaml.org,2002:int", _integer)
 
 
+@lru_cache(maxsize=8)
+def _parsed(text: str) -> bytes:
+    """What a text holds, pickled: DVC parses dvc.lock anew for each target, and may change what it gets."""
+    return pickle.dumps(yaml.load(text, Loader) or {})
+
+
 def read_faster() -> None:
     """Makes DVC, in this process, parse by libyaml where no comments have to be kept."""
+    from dvc.utils import serialize, strictyaml
     from dvc.utils.serialize import _yaml
 
     slow = _yaml.parse_yaml
@@ -57,11 +66,12 @@ def read_faster() -> None:
         if typ != "safe" and not str(path).endswith(_LOCK):
             return slow(text, path, typ)
         try:
-            return yaml.load(text, Loader) or {}
+            return pickle.loads(_parsed(text))
         except yaml.YAMLError:
             return slow(text, path, typ)  # which tells what is wrong in DVC's own words
 
-    _yaml.parse_yaml = parse_yaml
+    for module in (_yaml, serialize, strictyaml):  # each has the function under its own name
+        module.parse_yaml = parse_yaml
 
 
 def start_faster() -> None:

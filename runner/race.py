@@ -19,7 +19,6 @@ from pipeline.contract.errors import BelvedereError
 from runner.plan import Job, Pipeline, jobs
 
 RANKINGS = Path("reports/rankings")
-ROUND = 2  # repeats that a viewpoint gets at a time: starting its stages costs about a third of a training
 
 
 def allocate() -> Allocation:
@@ -98,7 +97,8 @@ class Race:
             return []
         print(ranking["answer"]["progress"], flush=True)
         active = set(race["active"])
-        step = max(ROUND, self.cores // len(active))
+        # starting a viewpoint's stages costs about a third of a training, an unneeded training all of it
+        step = max(1, self.cores // len(active))
         given = grown(self.allocation, scene, active, min(ranking["most"], race["common"] + step))
         if given == self.allocation:
             raise BelvedereError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shutil
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,18 @@ from tests.support import ROOT, Clone, ran
 
 WORDS = ["no", "on", "y", "null", "~", "0o17", "0x1f", "030", "1_000", "12:30"]
 WORDS += ["1e5", "1e-05", "1.", ".5", "-.inf", "1_0.5", "+7"]
+# DVC's own parser is ruamel's: does it read dvc.lock when DVC loads a stage?
+COLLECT = """
+from ruamel.yaml import YAML
+from dvc.repo import Repo
+from runner.dvc import read_faster
+slow, read = YAML.load, []
+YAML.load = lambda self, text: (read.append(text), slow(self, text))[1]
+FASTER and read_faster()
+with Repo() as repo:
+    repo.stage.collect("vae@study")
+print(open("dvc.lock").read() in read)
+"""
 VALUES = [None, True, -3, 1e-05, 1e300, 0.1, -math.inf, "", "a b", "ä", "- x", "a: b", "#", "it's", *WORDS]
 
 
@@ -33,6 +46,13 @@ def test_what_dvc_writes_comes_back() -> None:
 @pytest.mark.parametrize("word", WORDS)
 def test_plain_words_are_read_alike(word: str) -> None:
     assert repr(yaml.load(f"a: {word}", Loader)) == repr(_yaml.parse_yaml(f"a: {word}", "params.yaml"))
+
+
+@pytest.mark.parametrize("faster", [True, False])
+def test_the_lock_is_never_read_by_the_slow_parser(clone: Clone, faster: bool) -> None:
+    shutil.copyfile(ROOT / "dvc.lock", clone.root / "dvc.lock")
+    code = COLLECT.replace("FASTER", str(faster))
+    assert clone.run("python", "-c", code).stdout.split()[-1] == str(not faster)
 
 
 def test_a_stage_leaves_the_same_lock(clone: Clone) -> None:

@@ -12,7 +12,7 @@ import yaml
 from pipeline.contract.allocation import read_allocation
 from pipeline.contract.errors import BelvedereError
 from runner.plan import Job, Pipeline
-from runner.race import ROUND, Race, allocate
+from runner.race import Race, allocate
 
 VIEWS = {
     "near-a": {"scene": "near", "theta": 0, "phi": 0},
@@ -94,8 +94,8 @@ def test_a_round_gives_more_to_those_in_the_race_and_to_nobody_else(capsys: pyte
     rank("near", open_=True, active=("near-b",), common=3)
     begun = race(cores=1).begin()
     assert names(begun) == ["rollouts@near", "near-b", "ranking@near"]
-    assert repeats() == {"study": 3, "near-a": 3, "near-b": 3 + ROUND}
-    assert read_allocation().scenes == {"near": 3 + ROUND, "far": 3}
+    assert repeats() == {"study": 3, "near-a": 3, "near-b": 4}
+    assert read_allocation().scenes == {"near": 4, "far": 3}
     assert "near goes on" in capsys.readouterr().out
 
 
@@ -135,7 +135,7 @@ def test_another_viewpoint_gets_as_many_as_its_scene_and_others_keep_theirs() ->
     race(cores=1).begin()
     write_params(viewpoint={"scene": "near", "theta": 45, "phi": 15})
     allocate()
-    assert repeats() == {"study": 3 + ROUND, "near-a": 3 + ROUND, "near-b": 3}
+    assert repeats() == {"study": 4, "near-a": 4, "near-b": 3}
 
 
 @pytest.mark.parametrize(("change", "first"), [({"seed": 2}, 3), ({"budget": "large"}, 4)])
