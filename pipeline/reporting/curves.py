@@ -27,7 +27,7 @@ Level = tuple[float, str, tuple[int, tuple[int, ...]]]  # return (m), name, dash
 
 @matplotlib.rc_context(RC)
 def curve_plots(scene: SceneResults, bands: Mapping[str, pl.DataFrame]) -> dict[str, str]:
-    """One learning curve per view, all on the same axes' limits.
+    """One learning curve per view at which there was a search, all on the same axes' limits.
 
     Each shows its own curve solid with its band, its start as a ring with a level line, and, to compare,
     the first-ranked view's curve dashed with its band.
@@ -36,12 +36,14 @@ def curve_plots(scene: SceneResults, bands: Mapping[str, pl.DataFrame]) -> dict[
         scene: the scene.
         bands: by key, what :func:`pipeline.reporting.bands.band` returns.
     """
+    if not bands:
+        return {}
     means = pl.concat([table["mean"] for table in bands.values()]).to_list()
     limits = _limits(min(means), max(*means, scene.anchors.expert_mean))
     frames = float(max(table["frames"][-1] for table in bands.values()))
-    first = scene.views[0]
+    first = scene.searched[0]
     plots = {}
-    for view in scene.views:
+    for view in scene.searched:
         figure, axes = curve_axes(limits, frames)
         own = bands[view.key]
         level_lines(axes, [*anchor_levels(scene.anchors), (float(own["mean"][0]), "start", (0, (1, 3)))])

@@ -22,7 +22,7 @@ class Learned:
         start_m: mean return of generation 0, drawn about the start.
         end_m: of the last quarter of the generations, since each has episodes of its own.
         learned_m: the end less the start.
-        level_m: where the lowest of the views ends in which the judge can see; the same for all.
+        level_m: where the lowest of the views ends; the same for all.
         frames_to_level: closed-loop frames after which this view's mean is there.
     """
 
@@ -35,24 +35,22 @@ class Learned:
 
 
 def scene_bands(scene: SceneResults) -> dict[str, pl.DataFrame]:
-    """The band of each view's learning curve, by key."""
-    return {view.key: band(view.curve, scene.ranking.confidence) for view in scene.views}
+    """By key, the band of each view's learning curve, where there was a search; in the order of ranks."""
+    return {view.key: band(view.curve, scene.ranking.confidence) for view in scene.searched}
 
 
-def learned(scene: SceneResults, bands: Mapping[str, pl.DataFrame]) -> list[Learned]:
-    """One row per view, in the scene's order.
+def learned(bands: Mapping[str, pl.DataFrame]) -> list[Learned]:
+    """One row per view.
 
     Args:
-        scene: the scene.
         bands: by key, what :func:`pipeline.reporting.bands.band` returns.
     """
     starts = {key: float(table["mean"][0]) for key, table in bands.items()}
     ends = {key: _end(table) for key, table in bands.items()}
-    seeing = [view.key for view in scene.views if view.ranked.state != "cannot see"]
-    level = min(ends[key] for key in seeing or ends)
+    level = min(ends.values(), default=0.0)
     return [
-        Learned(key, starts[key], ends[key], ends[key] - starts[key], level, frames_to(bands[key], level))
-        for key in (view.key for view in scene.views)
+        Learned(key, starts[key], ends[key], ends[key] - starts[key], level, frames_to(table, level))
+        for key, table in bands.items()
     ]
 
 

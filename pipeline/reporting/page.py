@@ -131,7 +131,7 @@ def _scene_page(scene: SceneResults, pictures: Path) -> ScenePage:
         behind=Markup(behind_plot(scene)) if looks else None,
         race=Markup(race_plot(scene)) if looks > 1 else None,
         curves={key: Markup(svg) for key, svg in curve_plots(scene, bands).items()},
-        learned=learned(scene, bands),
+        learned=learned(bands),
     )
 
 

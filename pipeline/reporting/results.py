@@ -46,6 +46,11 @@ class SceneResults:
     views: tuple[View, ...]
 
     @property
+    def searched(self) -> tuple[View, ...]:
+        """The views at which controllers were searched for: where the judge can see."""
+        return tuple(view for view in self.views if not view.ranked.misses)
+
+    @property
     def trainings(self) -> int:
         """How many trainings all its views have had."""
         return sum(view.ranked.repeats for view in self.views)

@@ -95,7 +95,7 @@ def _race(scene: SceneResults) -> Iterator[Row]:
 
 
 def _learning(scene: SceneResults) -> Iterator[Row]:
-    for row in learned(scene, scene_bands(scene)):
+    for row in learned(scene_bands(scene)):
         yield {"scene": scene.name, **asdict(row)}
 
 
