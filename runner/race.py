@@ -97,7 +97,7 @@ class Race:
             return []
         print(ranking["answer"]["progress"], flush=True)
         active = set(race["active"])
-        # starting a viewpoint's stages costs about a third of a training, an unneeded training all of it
+        # starting a viewpoint's stages costs less than a training that the race does not need
         step = max(1, self.cores // len(active))
         given = grown(self.allocation, scene, active, min(ranking["most"], race["common"] + step))
         if given == self.allocation:
