@@ -10,26 +10,24 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import polars as pl
-
 from pipeline.contract import params, scratch, zarrs
 from pipeline.contract.artefacts import writing
 from pipeline.contract.machine import cores
 from pipeline.contract.repeats import Place, code_digest, finished_together
-from pipeline.contract.sight import read_sight
 from pipeline.contract.stage import entry
 from pipeline.control.first import Experience
 from pipeline.control.jobs import Networks
 from pipeline.control.loops import closed_loops
 from pipeline.control.params import ControllerParams, SearchSizes
-from pipeline.control.policy import save_controller
-from pipeline.control.search import Repeat, search_controllers
-from pipeline.learning.device import Compute, compute
+from pipeline.control.search import Repeat, search_controllers, search_sizes
+from pipeline.control.searched import curves, gather_controllers, save_search
+from pipeline.learning.device import compute
 from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.scene import Scene, load_scene
 
 CODE = ("contract", "control", "learning", "sim", "worldmodel", "controller.py")
 READ = ("mean", "action", "reward")
+Models = tuple[Path, Path]
 
 
 def main(
@@ -45,38 +43,22 @@ def main(
     curve: Path,
 ) -> None:
     """Writes ``out/repeat_{r}.npz`` and the curves of all repeats; ``probes`` are the VAE's metrics."""
-    compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
+    compiled, view = load_scene(scene), viewpoint(scene, theta, phi)
     sizes = search_sizes(scene, probes)
     store = zarrs.Store(latents, zarrs.LATENTS, "latents")
     models = [(vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt") for r in range(store.repeats)]
-    results = evolve_repeats(compiled, view, place, sizes, store, models)
+    results = evolve_repeats(compiled, view, sizes, store, models)
     with writing(out) as folder:
-        folder.mkdir()
-        for repeat, result in enumerate(results):
-            (folder / f"repeat_{repeat}.npz").write_bytes((result / "controller.npz").read_bytes())
-    curves = [pl.read_parquet(result / "curve.parquet") for result in results]
-    rows = [c.insert_column(0, pl.lit(repeat).alias("repeat")) for repeat, c in enumerate(curves)]
+        gather_controllers(results, folder)
     with writing(curve) as aside:
-        pl.concat(rows).write_csv(aside)
-
-
-def search_sizes(scene: str, probes: Path) -> SearchSizes:
-    """The budget's sizes, with one generation where the code does not tell tip - target."""
-    sizes = params.budget_section(SearchSizes, "controller", scene)
-    sight = read_sight(probes, probes.parent.name, params.first_repeats(), params.sight_share())
-    return sizes.model_copy(update={"generations": 1}) if sight.misses else sizes
+        curves(results).write_csv(aside)
 
 
 def evolve_repeats(
-    scene: Scene,
-    view: Viewpoint,
-    place: Compute,
-    sizes: SearchSizes,
-    latents: zarrs.Store,
-    models: Sequence[tuple[Path, Path]],
+    scene: Scene, view: Viewpoint, sizes: SearchSizes, latents: zarrs.Store, models: Sequence[Models]
 ) -> list[Path]:
-    """The scratch folders of the repeats' finished ``controller.npz`` and ``curve.parquet``."""
-    method, seed = params.section(ControllerParams, "controller"), params.seed()
+    """The scratch folders of the repeats' finished searches; ``models`` are their VAE and MDN-RNN."""
+    place, method, seed = compute(), params.section(ControllerParams, "controller"), params.seed()
 
     def make(places: Mapping[int, Place]) -> None:
         networks = {r: Networks.load(*models[r], place) for r in places}
@@ -85,9 +67,7 @@ def evolve_repeats(
         loops = closed_loops(scene, view, list(networks.values()), place.device, cores())
         searches = search_controllers(loops, repeats, method, sizes, seed)
         for where, search in zip(places.values(), searches, strict=True):
-            save_controller(where.results / "controller.npz", search.incumbent)
-            frames = sizes.population * sizes.episodes * scene.frames
-            search.table(frames).write_parquet(where.results / "curve.parquet")
+            save_search(where.results, search, sizes.population * sizes.episodes * scene.frames)
 
     common: dict[str, Any] = {"code": code_digest(*CODE), "machine": place.facts(), "seed": seed}
     common |= {"method": method.model_dump(), "sizes": sizes.model_dump()}

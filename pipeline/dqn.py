@@ -22,7 +22,7 @@ from pipeline.qlearning.actions import best_restricted_expert
 from pipeline.qlearning.judge import fit, memory_bytes
 from pipeline.qlearning.params import DqnParams, DqnSizes
 from pipeline.qlearning.reach_env import ReachEnv
-from pipeline.qlearning.tables import CURVE, EPISODES
+from pipeline.qlearning.tables import CURVE, EPISODES, joined
 from pipeline.qlearning.trial import tried
 from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.draws import draw_episodes
@@ -39,14 +39,11 @@ def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metric
     method, sizes = params.section(DqnParams, "dqn"), params.budget_section(DqnSizes, "dqn")
     make = partial(train_repeat, compiled, view, method, sizes)
     results = in_processes(make, sizes.repeats if scene in method.scenes else 0)
-    episodes, curves = (
-        pl.concat([pl.DataFrame(schema=schema), *(pl.read_parquet(r / name) for r in results)])
-        for name, schema in (("episodes.parquet", EPISODES), ("curve.parquet", CURVE))
-    )
+    episodes = joined((r / "episodes.parquet" for r in results), EPISODES)
     with writing(out) as aside:
         episodes.write_parquet(aside)
     with writing(curve) as aside:
-        curves.write_csv(aside)
+        joined((r / "curve.parquet" for r in results), CURVE).write_csv(aside)
     facts: dict[str, Any] = {"scene": scene, "theta_deg": theta, "phi_deg": phi, "trained": len(results)}
     facts |= {"replay_memory_bytes": memory_bytes(sizes), **means(episodes, _numbers)}
     write_json(metrics, {**facts, "made_with": made_with(place.facts())})

@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
-import numpy as np
-from PIL import Image
 
 from pipeline.contract import zarrs
 from pipeline.contract.allocation import branch_repeats
@@ -19,12 +17,12 @@ from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_sto
 from pipeline.contract.scratch import digest_files
 from pipeline.contract.stage import entry
 from pipeline.sim.camera import Viewpoint, viewpoint
-from pipeline.sim.images import Gallery, Images, target_pixels_unhidden
+from pipeline.sim.images import Gallery
+from pipeline.sim.replay import render, write_pictures
 from pipeline.sim.scene import Scene, load_scene
 from pipeline.sim.sight import refuse_hidden_targets
 
 CODE = ("contract", "sim", "frames.py")
-_LARGE = 512  # side of the picture for people, pixels
 
 
 def main(
@@ -42,7 +40,9 @@ def main(
     studio = Studio(compiled, view)
     results = [studio.repeat(store, r) for r in range(branch_repeats(branch, scene, theta, phi))]
     publish_store(out, results)
-    studio.write_pictures(store, picture)
+    with writing(picture) as folder:
+        folder.mkdir()
+        write_pictures(folder, compiled, view, store)
 
 
 class Studio:
@@ -64,36 +64,12 @@ class Studio:
             episodes, frames = store.shape("reward")
             what = f"frames {self._scene.name} ({self._view.theta:g}°, {self._view.phi:g}°), repeat {repeat}"
             with Progress(episodes * frames, what) as progress:
-                arrays = render(self._scene, self._view, self._gallery, store, repeat, progress)
+                arrays = render(self._gallery, store, repeat, progress)
             zarrs.write(results / REPEAT, zarrs.FRAMES, arrays, facts)
 
         decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "facts": facts}
         decides |= {"code": code_digest(*CODE), "scene": self._scene.params.model_dump()}
         return finished("frames", repeat, make, **decides)
-
-    def write_pictures(self, store: zarrs.Store, out: Path) -> None:
-        """The first episode's first frame of repeat 0, large and as the world model sees it."""
-        qpos, target = store.repeat("qpos", 0)[:1, 0], store.repeat("target", 0)[:1]
-        large = Images(self._scene, self._view, 1, size=_LARGE, antialias=2).render(qpos, target)[0]
-        small = Images(self._scene, self._view, 1).render(qpos, target)[0]
-        with writing(out) as folder:
-            folder.mkdir()
-            Image.fromarray(large).save(folder / "view.png", optimize=True)
-            Image.fromarray(small).save(folder / "view_64.png")
-
-
-def render(
-    scene: Scene, view: Viewpoint, gallery: Gallery, store: zarrs.Store, repeat: int, progress: Progress
-) -> dict[str, np.ndarray]:
-    """One repeat's arrays of the frames layout."""
-    qpos, target = store.repeat("qpos", repeat), store.repeat("target", repeat)
-    frames = qpos.shape[1]
-    flat = qpos.reshape(-1, qpos.shape[-1])
-    rgb, pixels = gallery.render(flat, np.repeat(target, frames, axis=0), progress.advance)
-    rgb, pixels = (a.reshape(*qpos.shape[:2], *a.shape[1:]) for a in (rgb, pixels))
-    free = target_pixels_unhidden(scene, view, qpos[:, 0], target)
-    same = {name: store.repeat(name, repeat) for name in ("tip", "action", "reward", "target")}
-    return {"rgb": rgb, "target_pixels": pixels, "target_pixels_free": free, **same}
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@ Set BELVEDERE_MIX=allow to rank branches that were made on different devices or 
 from __future__ import annotations
 
 import os
-from dataclasses import asdict
 from pathlib import Path
 
 import polars as pl
@@ -15,16 +14,16 @@ from pipeline.contract import params
 from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.errors import unknown
 from pipeline.contract.stage import entry
+from pipeline.stats import content
 from pipeline.stats.answer import answer
 from pipeline.stats.baselines import compare
 from pipeline.stats.branches import read_results
 from pipeline.stats.claims import read_claims
-from pipeline.stats.content import answer_part, head, joined, race_parts
 from pipeline.stats.dqn import read_dqn
 from pipeline.stats.dunnett import tail
 from pipeline.stats.params import RankingParams
 from pipeline.stats.race import Rules
-from pipeline.stats.ranks import Ranked, rank
+from pipeline.stats.ranks import rank
 from pipeline.stats.replay import replay
 from pipeline.stats.section3 import comparison
 from pipeline.stats.words import progress, sentence
@@ -44,20 +43,23 @@ def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, 
     race = replay(raced, rules) if raced else None
     rows = rank(results, race, method.confidence)
     found = answer(scene, race, rows, method.confidence, raced)
-    content = {
+    said = {
         "scene": scene,
-        **head(results, rules, method),
-        "answer": answer_part(found),
-        **race_parts(results, race, rows, method.confidence),
+        **content.head(results, rules, method),
+        "answer": content.answer_part(found),
+        **content.race_parts(results, race, rows, method.confidence),
         **comparison(results, dqn, asked, method),
         "baselines": compare(branches, results.seen, results.common(results.seen).mean(axis=1))
         if race
         else [],
-        "made_with": joined(results.made_with),
+        "made_with": content.joined(results.made_with),
     }
-    write_json(out, content)
+    write_json(out, said)
     with writing(table) as aside:
-        _frame(scene, rows).write_csv(aside)
+        lines = content.table(scene, rows)
+        pl.DataFrame(lines, schema_overrides={"out_after": pl.Int64}, infer_schema_length=None).write_csv(
+            aside
+        )
     print(progress(found))
     if found.kind not in ("open", "cannot see"):
         print(f"{scene}: {sentence(found)}")
@@ -68,23 +70,6 @@ def _mix() -> bool:
     if word not in ("", "allow"):
         raise unknown(f"environment variable {MIX_VARIABLE}: value", word, ["allow"])
     return word == "allow"
-
-
-def _frame(scene: str, rows: list[Ranked]) -> pl.DataFrame:
-    lists = ("misses", "duplicates")
-    frame = pl.DataFrame(
-        [asdict(row) for row in rows],
-        schema_overrides={**dict.fromkeys(lists, pl.List(pl.String)), "out_after": pl.Int64},
-        infer_schema_length=None,
-    )
-    return frame.select(
-        pl.lit(scene).alias("scene"),
-        "rank",
-        pl.col("key").alias("branch"),
-        pl.exclude("rank", "key", *lists),
-        pl.col("misses").list.join(" and "),
-        pl.col("duplicates").list.join(" "),
-    )
 
 
 if __name__ == "__main__":

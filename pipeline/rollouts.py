@@ -6,26 +6,19 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import mujoco
-import numpy as np
 from pydantic import Field
 
 from pipeline.contract import params, seeds, zarrs
 from pipeline.contract.allocation import scene_repeats
 from pipeline.contract.artefacts import write_json
-from pipeline.contract.machine import cores
 from pipeline.contract.progress import Progress
 from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_store
 from pipeline.contract.scratch import digest_files
 from pipeline.contract.stage import entry
-from pipeline.sim.draws import draw_episodes
-from pipeline.sim.exploration import ExplorationParams, correlated_actions
+from pipeline.sim.exploration import ExplorationParams, roll
 from pipeline.sim.scene import Scene, load_scene
-from pipeline.sim.worlds import Worlds
 
 CODE = ("contract", "sim", "rollouts.py")
-# Numbers are kept to about a millionth of a radian or metre: what processors compute differently lies far
-# below, so that a newcomer's machine draws the very bytes from which the committed results come.
-_GRID = 2.0**-20
 
 
 class RolloutSizes(params.Section):
@@ -63,24 +56,6 @@ def draw_repeat(scene: Scene, repeat: int) -> Path:
     decides: dict[str, Any] = {"code": code_digest(*CODE), "seed": seed, "scene": scene.params.model_dump()}
     decides |= {"sizes": sizes.model_dump(), "process": process.model_dump(), "facts": facts}
     return finished("rollouts", repeat, make, **decides)
-
-
-def roll(
-    scene: Scene, episodes: int, process: ExplorationParams, rng: np.random.Generator, progress: Progress
-) -> dict[str, np.ndarray]:
-    """One repeat's episodes: arrays of the rollouts layout."""
-    drawn = draw_episodes(scene, episodes, rng)
-    actions = correlated_actions((episodes, scene.frames, scene.action_size), process, rng)
-    worlds = Worlds(scene, episodes, cores())
-    worlds.reset(drawn)
-    frames: dict[str, list[np.ndarray]] = {"qpos": [], "tip": [], "reward": []}
-    for t in range(scene.frames):
-        frames["qpos"].append(worlds.qpos)
-        frames["tip"].append(worlds.tip)
-        frames["reward"].append(worlds.step(actions[:, t]))
-        progress.advance()
-    stacked = {name: np.round(np.stack(values, axis=1) / _GRID) * _GRID for name, values in frames.items()}
-    return {**stacked, "action": actions, "target": drawn.target_m}
 
 
 if __name__ == "__main__":

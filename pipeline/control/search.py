@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.contract import seeds
+from pipeline.contract import params, seeds
 from pipeline.contract.machine import cores
 from pipeline.contract.seeds import Stream
+from pipeline.contract.sight import read_sight
 from pipeline.control.evolution import Generation, Run, Search, evolve, start
 from pipeline.control.first import Experience, from_rewards
 from pipeline.control.jobs import Job
@@ -20,6 +21,13 @@ from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.control.policy import hidden_weights, parameters
 from pipeline.sim.draws import draw_episodes
 from pipeline.worldmodel.mdnrnn import MdnRnn
+
+
+def search_sizes(scene: str, probes: Path) -> SearchSizes:
+    """The budget's sizes, with one generation where the code does not tell tip - target (``probes``)."""
+    sizes = params.budget_section(SearchSizes, "controller", scene)
+    sight = read_sight(probes, probes.parent.name, params.first_repeats(), params.sight_share())
+    return sizes.model_copy(update={"generations": 1}) if sight.misses else sizes
 
 
 @dataclass(frozen=True, eq=False)

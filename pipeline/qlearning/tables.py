@@ -1,7 +1,9 @@
-"""The columns of what Q-learning leaves behind: the same whether networks were trained or not."""
+"""What Q-learning leaves behind: tables of the same columns whether networks were trained or not."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import polars as pl
@@ -30,3 +32,8 @@ CURVE: dict[str, Any] = {
     "mean": pl.Float64,
     "best": pl.Float64,
 }
+
+
+def joined(files: Iterable[Path], schema: dict[str, Any]) -> pl.DataFrame:
+    """The rows of all repeats' ``files``; none where there are none."""
+    return pl.concat([pl.DataFrame(schema=schema), *map(pl.read_parquet, files)])

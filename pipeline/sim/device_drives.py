@@ -13,9 +13,12 @@ import warp as wp
 
 from pipeline.sim import device_ik
 from pipeline.sim.drives import NEWTON_STEPS, Fields
+from pipeline.sim.robots import UPRIGHT
 from pipeline.sim.scene import Scene
 
 wp.set_module_options({"enable_backward": False})
+
+_UPRIGHT = wp.constant(wp.quat(*UPRIGHT))  # w first, as MuJoCo has it
 
 
 class DeviceDrive(Protocol):
@@ -135,10 +138,10 @@ def pull(
     mocap_place: wp.array2d[wp.vec3],
     mocap_turn: wp.array2d[wp.quat],
 ) -> None:
-    """Sets the mocap body to where the hand is, moved by what the tip lacks."""
+    """Sets the mocap body to where the hand is, moved by what the tip lacks and turned towards upright."""
     world = wp.tid()
     mocap_place[world, mocap] = place[world, body] + (wished[world] - tip[world])
-    mocap_turn[world, mocap] = turn[world, body]
+    mocap_turn[world, mocap] = turn[world, body] + _UPRIGHT
 
 
 def device_drive(scene: Scene, model: mjw.Model, count: int) -> DeviceDrive:

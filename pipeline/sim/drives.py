@@ -16,6 +16,7 @@ import numpy as np
 from mujoco import batch as mujoco_batch
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.sim.robots import UPRIGHT
 from pipeline.sim.scene import Scene, initial_data
 
 DAMPING = 1e-3  # of the least squares, keeps joint steps finite near singular postures
@@ -132,7 +133,11 @@ class JointDrive:
 
 
 class MocapDrive:
-    """A weld to a mocap body pulls the tip, as in FetchReach: from where the body is, each frame."""
+    """A weld to a mocap body pulls the tip, as in FetchReach: from where the body is, each frame.
+
+    A tilted hand is turned back most of the way: ``UPRIGHT`` is added to its quaternion (MuJoCo
+    normalizes the sum), as gymnasium-robotics does.
+    """
 
     def __init__(self, scene: Scene, count: int, threads: int) -> None:
         self._scene, self._count = scene, count
@@ -158,7 +163,7 @@ class MocapDrive:
 
     def move(self, hand: Hand, wished_m: np.ndarray) -> Fields:
         self._mocap_pos[:, self._mocap] = hand.body_m + (wished_m - hand.tip_m)
-        self._mocap_quat[:, self._mocap] = hand.body_quaternion
+        self._mocap_quat[:, self._mocap] = hand.body_quaternion + np.array(UPRIGHT)
         return {"mocap_pos": self._mocap_pos, "mocap_quat": self._mocap_quat}
 
 

@@ -1,4 +1,4 @@
-"""Random actions that hang together in time, so that episodes cover the workspace."""
+"""Random episodes: actions that hang together in time, so that the tip covers the workspace."""
 
 from __future__ import annotations
 
@@ -7,7 +7,16 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
+from pipeline.contract.machine import cores
 from pipeline.contract.params import Section
+from pipeline.contract.progress import Progress
+from pipeline.sim.draws import draw_episodes
+from pipeline.sim.scene import Scene
+from pipeline.sim.worlds import Worlds
+
+# Numbers are kept to about a millionth of a radian or metre: what processors compute differently lies far
+# below, so that a newcomer's machine draws the very bytes from which the committed results come.
+_GRID = 2.0**-20
 
 
 class ExplorationParams(Section):
@@ -33,3 +42,21 @@ def correlated_actions(
     for t in range(1, shape[1]):
         actions[:, t] = process.correlation * actions[:, t - 1] + fresh * noise[:, t]
     return np.clip(process.deviation * actions, -1.0, 1.0).astype(np.float32)
+
+
+def roll(
+    scene: Scene, episodes: int, process: ExplorationParams, rng: np.random.Generator, progress: Progress
+) -> dict[str, np.ndarray]:
+    """One repeat's episodes: arrays of the rollouts layout."""
+    drawn = draw_episodes(scene, episodes, rng)
+    actions = correlated_actions((episodes, scene.frames, scene.action_size), process, rng)
+    worlds = Worlds(scene, episodes, cores())
+    worlds.reset(drawn)
+    frames: dict[str, list[np.ndarray]] = {"qpos": [], "tip": [], "reward": []}
+    for t in range(scene.frames):
+        frames["qpos"].append(worlds.qpos)
+        frames["tip"].append(worlds.tip)
+        frames["reward"].append(worlds.step(actions[:, t]))
+        progress.advance()
+    stacked = {name: np.round(np.stack(values, axis=1) / _GRID) * _GRID for name, values in frames.items()}
+    return {**stacked, "action": actions, "target": drawn.target_m}

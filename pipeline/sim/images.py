@@ -157,6 +157,7 @@ class Gallery:
     """Pictures of any number of worlds, on all cores: for what is rendered outside the closed loop."""
 
     def __init__(self, scene: Scene, view: Viewpoint, threads: int, segment: bool = False) -> None:
+        self.scene, self.view = scene, view
         self._workers = [Images(scene, view, _SHARD, segment=segment) for _ in range(threads)]
         self._free = list(self._workers)
         self._pool = ThreadPoolExecutor(threads)

@@ -113,6 +113,9 @@ def limit_contacts(spec: mujoco.MjSpec, arm: Robot) -> None:
         geom.conaffinity = int(not name.startswith(arm.prefix))
 
 
+UPRIGHT = (1.0, 0.0, 1.0, 0.0)  # quaternion, not normalized: Fetch's gripper points down
+
+
 def settle_fetch(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Brings Fetch from its MJCF pose to where FetchReach episodes start (gymnasium-robotics).
 
@@ -126,7 +129,7 @@ def settle_fetch(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     grip = data.site(TIP).xpos.copy()
     mocap = model.body("robot0:mocap").mocapid[0]
     data.mocap_pos[mocap] = grip + np.array([-0.498, 0.005, -0.431 + 0.2])
-    data.mocap_quat[mocap] = [1.0, 0.0, 1.0, 0.0]
+    data.mocap_quat[mocap] = UPRIGHT
     mujoco.mj_step(model, data, nstep=200)
 
 

@@ -1,4 +1,4 @@
-"""A scene's ranking as plain tables, for JSON."""
+"""A scene's ranking as plain tables, for JSON and CSV."""
 
 from __future__ import annotations
 
@@ -50,6 +50,17 @@ def answer_part(found: Answer) -> dict[str, Any]:
         "sentence": sentence(found),
         "progress": progress(found),
     }
+
+
+def table(scene: str, rows: list[Ranked]) -> list[dict[str, Any]]:
+    """One line per view, for CSV."""
+    lines = []
+    for row in rows:
+        line = asdict(row)
+        said = {"misses": " and ".join(line.pop("misses")), "duplicates": " ".join(line.pop("duplicates"))}
+        named = {"scene": scene, "rank": line.pop("rank"), "branch": line.pop("key")}
+        lines.append({**named, **line, **said})
+    return lines
 
 
 def _spread(race: Race | None) -> dict[str, float | None]:

@@ -11,6 +11,7 @@ from pipeline.sim import device_ik
 from pipeline.sim.device_drives import DeviceJointDrive, DeviceMocapDrive, Wishes
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.drives import Hand, JointDrive, wished_place
+from pipeline.sim.robots import UPRIGHT
 from tests.sim.conftest import compiled
 from tests.sim.device_cases import DEVICES
 
@@ -106,4 +107,5 @@ def test_a_weld_is_pulled_from_where_the_hand_is(device: str) -> None:
         DeviceMocapDrive(scene, model, COUNT).move(data, tip, wished)
         expected = data.xpos.numpy()[:, body] + wished.numpy() - tip.numpy()
         np.testing.assert_allclose(data.mocap_pos.numpy()[:, mocap], expected, atol=1e-6)
-        np.testing.assert_array_equal(data.mocap_quat.numpy()[:, mocap], data.xquat.numpy()[:, body])
+        turned = data.xquat.numpy()[:, body] + np.array(UPRIGHT, np.float32)
+        np.testing.assert_array_equal(data.mocap_quat.numpy()[:, mocap], turned)

@@ -61,7 +61,7 @@ def test_one_more_repeat_changes_nothing_of_the_others(place: Path, monkeypatch:
 
     rendered = []
     render = frames.render
-    monkeypatch.setattr(frames, "render", lambda *a: rendered.append(a[4]) or render(*a))
+    monkeypatch.setattr(frames, "render", lambda *a: rendered.append(a[2]) or render(*a))
     more = shoot(episodes, place)
     assert rendered == [2] and more.repeats == 3
     np.testing.assert_array_equal(more.repeat("rgb", 1), seen)

@@ -12,8 +12,7 @@ from pipeline import geometry
 from pipeline.contract import params, zarrs
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.progress import Progress
-from pipeline.rollouts import roll
-from pipeline.sim.exploration import ExplorationParams
+from pipeline.sim.exploration import ExplorationParams, roll
 from pipeline.sim.scene import load_scene
 
 

@@ -1,0 +1,54 @@
+"""Controllers tried on episodes: a table of how each episode ended, and one film."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+
+from pipeline.contract.progress import Progress
+from pipeline.control.clip import write_clip
+from pipeline.control.jobs import Job
+from pipeline.control.loops import Loops
+from pipeline.control.outcomes import outcomes
+from pipeline.sim.camera import Viewpoint
+from pipeline.sim.draws import Episodes
+
+OUTCOMES, CLIP = "outcomes.parquet", "clip.webp"
+
+
+def try_out(
+    loops: Loops,
+    view: Viewpoint,
+    controllers: Sequence[np.ndarray],
+    episodes: Sequence[Episodes],
+    folders: Mapping[int, Path],
+) -> None:
+    """Writes each repeat's ``OUTCOMES`` into its folder, and repeat 0's first episode as ``CLIP``.
+
+    Args:
+        loops: controller ``i`` sees through its networks ``i``.
+        view: of the loops.
+        controllers: flat weights, one of each repeat.
+        episodes: on which each is tried.
+        folders: of the repeats, by their numbers, in the same order.
+    """
+    jobs = zip(controllers, episodes, strict=True)
+    traces = loops.run([Job.of(i, flat[None], own) for i, (flat, own) in enumerate(jobs)])
+    what = f"evaluation {loops.scene.name} ({view.theta:g}°, {view.phi:g}°)"
+    with Progress(len(folders), what) as progress:
+        for (repeat, folder), own, trace in zip(folders.items(), episodes, traces, strict=True):
+            outcomes(repeat, own, trace.tip_m, trace.reward).write_parquet(folder / OUTCOMES)
+            if repeat == 0:
+                write_clip(folder / CLIP, loops.scene, view, trace.qpos[0], own.target_m[0])
+            progress.advance(returned=f"{trace.returns.mean():.2f}")
+
+
+def numbers(rows: pl.DataFrame) -> dict[str, Any]:
+    """The means of a table of outcomes that the metrics name."""
+    names = {"return": "return", "final_distance_m": "final_distance_m", "frames_to_5cm": "frames_to_5cm"}
+    near = {f"within_{name}_share": f"within_{name}" for name in ("2cm", "5cm")}
+    return {name: rows[column].mean() for name, column in {**names, **near}.items()}

@@ -1,0 +1,44 @@
+"""A scene's recorded episodes as one viewpoint shows them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from pipeline.contract import zarrs
+from pipeline.contract.progress import Progress
+from pipeline.sim.camera import Viewpoint
+from pipeline.sim.images import Gallery, Images, target_pixels_unhidden
+from pipeline.sim.scene import Scene
+
+_LARGE = 512  # side of the picture for people, pixels
+
+
+def render(gallery: Gallery, store: zarrs.Store, repeat: int, progress: Progress) -> dict[str, np.ndarray]:
+    """One repeat's arrays of the layout :data:`pipeline.contract.zarrs.FRAMES`.
+
+    Args:
+        gallery: renders what the viewpoint shows, targets marked.
+        store: the episodes, layout :data:`pipeline.contract.zarrs.ROLLOUTS`.
+        repeat: which of the store's.
+        progress: is told of every picture.
+    """
+    qpos, target = store.repeat("qpos", repeat), store.repeat("target", repeat)
+    frames = qpos.shape[1]
+    flat = qpos.reshape(-1, qpos.shape[-1])
+    rgb, pixels = gallery.render(flat, np.repeat(target, frames, axis=0), progress.advance)
+    rgb, pixels = (a.reshape(*qpos.shape[:2], *a.shape[1:]) for a in (rgb, pixels))
+    free = target_pixels_unhidden(gallery.scene, gallery.view, qpos[:, 0], target)
+    same = {name: store.repeat(name, repeat) for name in ("tip", "action", "reward", "target")}
+    return {"rgb": rgb, "target_pixels": pixels, "target_pixels_free": free, **same}
+
+
+def write_pictures(folder: Path, scene: Scene, view: Viewpoint, store: zarrs.Store) -> None:
+    """The first frame of repeat 0: ``view.png`` for people, ``view_64.png`` as the world model sees it."""
+    qpos, target = store.repeat("qpos", 0)[:1, 0], store.repeat("target", 0)[:1]
+    large = Images(scene, view, 1, size=_LARGE, antialias=2).render(qpos, target)[0]
+    small = Images(scene, view, 1).render(qpos, target)[0]
+    Image.fromarray(large).save(folder / "view.png", optimize=True)
+    Image.fromarray(small).save(folder / "view_64.png")
