@@ -28,7 +28,7 @@ def main(*, scene: str, out: Path, metrics: Path) -> None:
     target_blind = TargetBlind(compiled, seeds.generator(params.seed(), 0, Stream.BLIND))
     count = params.budget_section(EvaluationSizes, "evaluation", scene).episodes
     worlds = Worlds(compiled, count, cores())
-    table = pl.concat([judge(worlds, repeat, target_blind) for repeat in range(params.first_repeats())])
+    table = pl.concat([judge(worlds, repeat, target_blind) for repeat in range(params.first_repeats(scene))])
     with writing(out) as aside:
         table.write_parquet(aside)
     write_json(metrics, {"scene": scene, **means(table, _levels), "made_with": made_with(COMPUTE)})

@@ -34,7 +34,7 @@ MIX_VARIABLE = "BELVEDERE_MIX"  # an environment variable: where a result was ma
 def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, table: Path) -> None:
     """Reads the branches' evaluations in folder ``branches``; writes ``out`` (JSON), ``table`` (CSV)."""
     method = params.scene_section(RankingParams, "ranking", scene=scene)
-    sizes = params.race()
+    sizes = params.race(scene)
     rules = Rules(sizes.first, sizes.most, method.tolerance, tail(method.confidence, sizes.most))
     asked = [claim for claim in read_claims(claims) if claim.scene == scene]
     results = read_results(scene, branches, anchors, sizes.first, params.sight_share(), mix=_mix())

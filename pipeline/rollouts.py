@@ -37,7 +37,7 @@ def main(*, scene: str, out: Path, store: Path) -> None:
     compiled = load_scene(scene)
     results = [draw_repeat(compiled, repeat) for repeat in range(scene_repeats(scene))]
     publish_store(store, results)
-    first = [result / REPEAT for result in results[: params.first_repeats()]]
+    first = [result / REPEAT for result in results[: params.first_repeats(scene)]]
     write_json(out, {"scene": scene, "first_repeats": [digest_files([place]) for place in first]})
 
 

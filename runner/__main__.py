@@ -14,8 +14,8 @@ from pipeline.contract import params, scratch
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.machine import CORES_VARIABLE, cores
 from runner.dvc import read_faster
-from runner.plan import branches, key, read_pipeline
-from runner.race import Race, allocate
+from runner.plan import branches, read_pipeline
+from runner.race import Race, allocate, soonest_answered
 from runner.schedule import DVC, Schedule
 from runner.words import announcement, answers
 
@@ -72,8 +72,8 @@ def race(slots: int, scenes: Sequence[str]) -> None:
     """
     read_faster()
     allocation, logs = allocate(), scratch.root() / "logs"
-    pipeline = read_pipeline([f"ranking@{scene}" for scene in scenes or params.value("scenes")])
-    ordered = [key(stage) for stage in pipeline.waits if stage.startswith("ranking@")]
+    ordered = list(dict.fromkeys(scenes)) or soonest_answered(allocation)
+    pipeline = read_pipeline([f"ranking@{scene}" for scene in ordered])
     race = Race(pipeline, branches(), ordered, cores(), allocation)
     to_do = race.begin()
     if not to_do:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,24 +28,36 @@ def allocate() -> Allocation:
     Entries that count stay; a branch without one gets as many repeats as its scene; nobody has fewer than the
     first.
     """
-    budget, seed, first = params.budget(), params.seed(), params.first_repeats()
+    budget, seed = params.budget(), params.seed()
     views = {"study": params.value("viewpoint"), **(params.value("viewpoints") or {})}
     former = read_allocation() if ALLOCATION_FILE.is_file() else None
     if former and (former.budget, former.seed) != (budget, seed):
         former = None
-    scenes = dict.fromkeys(params.value("scenes"), first)
+    first = {scene: params.first_repeats(scene) for scene in params.value("scenes")}
+    scenes = dict(first)
     if former:
-        scenes |= {name: max(first, count) for name, count in former.scenes.items() if name in scenes}
+        scenes |= {name: max(first[name], count) for name, count in former.scenes.items() if name in first}
     entries = {}
     for key, view in views.items():
         entry = former.branches.get(key) if former else None
         same = entry and entry.model_dump(exclude={"repeats"}) == view
-        count = entry.repeats if entry and same else scenes.get(view["scene"], first)
-        entries[key] = Entry(**view, repeats=max(first, count))
+        scene = view["scene"]
+        count = entry.repeats if entry and same else scenes.get(scene, 1)
+        entries[key] = Entry(
+            **view, repeats=max(first.get(scene, 1), count)
+        )  # the stages refuse other scenes
     found = Allocation(budget=budget, seed=seed, scenes=scenes, branches=entries)
     if former != found:
         write_allocation(found)
     return found
+
+
+def soonest_answered(allocation: Allocation) -> list[str]:
+    """The scenes, those of fewest trainings first: so the first answer is there soonest."""
+    trainings = Counter[str]()
+    for entry in allocation.branches.values():
+        trainings[entry.scene] += entry.repeats
+    return sorted(allocation.scenes, key=lambda scene: trainings[scene])
 
 
 def grown(allocation: Allocation, scene: str, active: Collection[str], repeats: int) -> Allocation:

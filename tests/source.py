@@ -71,9 +71,8 @@ def params_read_by(file: str) -> set[str]:
             continue
         seen.add(place)
         for node in _nodes(*place):
-            key = _key_read(place[0], node) if isinstance(node, ast.Call) else None
-            if key and not key.startswith("*"):
-                keys.add(key)
+            read = _keys_read(place[0], node) if isinstance(node, ast.Call) else []
+            keys.update(key for key in read if key and not key.startswith("*"))
             waiting += _referred(place[0], node)
     return keys
 
@@ -106,24 +105,24 @@ def _referred(file: str, node: ast.AST) -> list[tuple[str, str]]:
     return [(found, name)] if found else []
 
 
-def _key_read(file: str, call: ast.Call) -> str | None:
+def _keys_read(file: str, call: ast.Call) -> list[str]:
     module, _, reader = (_target(file, call.func) or "").rpartition(".")
     if module != READERS:
-        return None
+        return []
     words = [a.value if isinstance(a, ast.Constant) else "*" for a in call.args]
     match reader:
         case "value":
-            return ".".join(words)
+            return [".".join(words)]
         case "section" | "scene_section":
-            return ".".join(words[1:])
+            return [".".join(words[1:])]
         case "budget_section":
-            return f"budgets.${{budget}}.{words[1]}"
+            return [f"budgets.${{budget}}.{words[1]}"]
         case "race":
-            return "budgets.${budget}.race"
+            return ["budgets.${budget}.race"]
         case "first_repeats":
-            return "budgets.${budget}.race.first"
+            return ["budgets.${budget}.race.first", "budgets.${budget}.race.scenes"]
         case "budget":
-            return "budget"
+            return ["budget"]
         case "seed" | "heldout_share" | "sight_share":
-            return reader
-    return None
+            return [reader]
+    return []

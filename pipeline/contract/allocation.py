@@ -53,7 +53,7 @@ class Allocation(params.Section):
 def scene_repeats(scene: str, path: Path = ALLOCATION_FILE) -> int:
     """How many repeats the scene's random episodes are drawn for."""
     found = _current(path)
-    return max(params.first_repeats(), found.scenes.get(scene, 1) if found else 1)
+    return max(params.first_repeats(scene), found.scenes.get(scene, 1) if found else 1)
 
 
 def branch_repeats(branch: str, scene: str, theta: float, phi: float, path: Path = ALLOCATION_FILE) -> int:
@@ -61,7 +61,7 @@ def branch_repeats(branch: str, scene: str, theta: float, phi: float, path: Path
     found = _current(path)
     entry = found.branches.get(branch) if found else None
     if entry and (entry.scene, entry.theta, entry.phi) == (scene, theta, phi):
-        return max(params.first_repeats(), entry.repeats)
+        return max(params.first_repeats(scene), entry.repeats)
     return scene_repeats(scene, path)
 
 

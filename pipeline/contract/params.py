@@ -117,7 +117,7 @@ def budget(path: Path = PARAMS_FILE) -> str:
 
 
 class Race(Section):
-    """Section ``budgets.*.race``: how many repeats (independent trainings) a viewpoint gets.
+    """Section ``budgets.*.race``: how many repeats (independent trainings) a viewpoint of a scene gets.
 
     Attributes:
         first: of every viewpoint, before any comparison.
@@ -134,14 +134,14 @@ class Race(Section):
         return self
 
 
-def race(path: Path = PARAMS_FILE) -> Race:
-    """How many repeats viewpoints get in the chosen budget."""
-    return budget_section(Race, "race", path=path)
+def race(scene: str, path: Path = PARAMS_FILE) -> Race:
+    """How many repeats the scene's viewpoints get in the chosen budget."""
+    return budget_section(Race, "race", scene, path)
 
 
-def first_repeats(path: Path = PARAMS_FILE) -> int:
-    """How many repeats every viewpoint has before any comparison."""
-    return race(path).first
+def first_repeats(scene: str, path: Path = PARAMS_FILE) -> int:
+    """How many repeats every viewpoint of the scene has before any comparison."""
+    return race(scene, path).first
 
 
 def seed(path: Path = PARAMS_FILE) -> int:

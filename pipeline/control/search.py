@@ -26,7 +26,7 @@ from pipeline.worldmodel.mdnrnn import MdnRnn
 def search_sizes(scene: str, probes: Path) -> SearchSizes:
     """The budget's sizes, with one generation where the code does not tell tip - target (``probes``)."""
     sizes = params.budget_section(SearchSizes, "controller", scene)
-    sight = read_sight(probes, probes.parent.name, params.first_repeats(), params.sight_share())
+    sight = read_sight(probes, probes.parent.name, params.first_repeats(scene), params.sight_share())
     return sizes.model_copy(update={"generations": 1}) if sight.misses else sizes
 
 

@@ -61,6 +61,9 @@ def test_nobody_has_fewer_than_the_first_repeats() -> None:
     Path("params.yaml").write_text(PARAMS.replace("first: 2", "first: 4"))
     assert branch_repeats("near-a", **VIEW) == 4
     assert scene_repeats("elsewhere") == 4
+    own = "first: 2, scenes: {elsewhere: {first: 3}}"
+    Path("params.yaml").write_text(PARAMS.replace("first: 2", own))
+    assert (scene_repeats("elsewhere"), branch_repeats("near-a", **VIEW)) == (3, 3)
 
 
 @pytest.mark.parametrize(

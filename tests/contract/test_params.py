@@ -22,7 +22,9 @@ heldout_share: 0.25
 budget: small
 budgets:
   small: {race: {first: 2, most: 5}, rollouts: {episodes: 4, rate: 0.5}}
-  large: {race: {first: 9, most: 9}, rollouts: {episodes: 400, rate: 0.5, scenes: {far: {episodes: 500}}}}
+  large:
+    race: {first: 9, most: 9, scenes: {far: {first: 3}}}
+    rollouts: {episodes: 400, rate: 0.5, scenes: {far: {episodes: 500}}}
 """
 
 
@@ -44,13 +46,14 @@ def test_sections_come_from_the_chosen_budget(file: Path) -> None:
     assert params.budget_section(Sizes, "rollouts", path=file) == Sizes(episodes=4, rate=0.5)
     large = change(file, "budget: small", "budget: large")
     assert params.budget_section(Sizes, "rollouts", path=large).episodes == 400
-    assert (params.first_repeats(file), params.first_repeats(large)) == (2, 9)
+    assert (params.first_repeats("near", file), params.first_repeats("near", large)) == (2, 9)
 
 
 def test_a_scene_may_have_sizes_of_its_own(file: Path) -> None:
     large = change(file, "budget: small", "budget: large")
     found = [params.budget_section(Sizes, "rollouts", scene, large) for scene in ("near", "far", None)]
     assert found == [Sizes(episodes=n, rate=0.5) for n in (400, 500, 400)]
+    assert [params.first_repeats(scene, large) for scene in ("near", "far")] == [9, 3]
     bad = change(file, "budget: small", "budget: large").with_name("changed.yaml")
     bad.write_text(bad.read_text().replace("{far: {episodes: 500}}", "{far: {episodes: -5}}"))
     with pytest.raises(BelvedereError, match=r"budgets\.large\.rollouts\.episodes = -5"):
@@ -113,7 +116,7 @@ def test_a_bad_section_is_told(file: Path, old: str, new: str, told: str) -> Non
 )
 def test_a_bad_race_is_told(file: Path, race: str, told: str) -> None:
     with pytest.raises(BelvedereError, match=told):
-        params.first_repeats(change(file, "{first: 2, most: 5}", race))
+        params.first_repeats("near", change(file, "{first: 2, most: 5}", race))
 
 
 @pytest.mark.parametrize("bad", ["-1", "1.5", "true", "x"])

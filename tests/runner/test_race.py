@@ -12,7 +12,7 @@ import yaml
 from pipeline.contract.allocation import read_allocation
 from pipeline.contract.errors import BelvedereError
 from runner.plan import Job, Pipeline
-from runner.race import Race, allocate
+from runner.race import Race, allocate, soonest_answered
 
 VIEWS = {
     "near-a": {"scene": "near", "theta": 0, "phi": 0},
@@ -74,6 +74,18 @@ def repeats() -> dict[str, int]:
 def test_everybody_begins_with_the_first_repeats() -> None:
     assert set(repeats_of := {k: e.repeats for k, e in allocate().branches.items()}) == BRANCHES
     assert set(repeats_of.values()) == {3} and repeats() == repeats_of
+
+
+def test_the_scenes_of_fewest_trainings_are_answered_first() -> None:
+    assert soonest_answered(allocate()) == ["far", "near"]  # one viewpoint, two viewpoints
+
+
+def test_a_scene_may_begin_with_a_number_of_its_own() -> None:
+    own = {"first": 3, "most": 8, "scenes": {"far": {"first": 2}}}
+    write_params(budgets={"small": {"race": own}})
+    found = allocate()
+    assert found.scenes == {"near": 3, "far": 2}
+    assert {k: e.repeats for k, e in found.branches.items()} == {"study": 2, "near-a": 3, "near-b": 3}
 
 
 def test_what_is_not_done_is_done_first_and_a_scene_s_answer_before_the_next() -> None:
