@@ -9,7 +9,7 @@ from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import unknown
 from pipeline.contract.stage import entry
 from pipeline.reporting import twins
-from pipeline.reporting.page import Reference, render
+from pipeline.reporting.page import Made, Reference, render
 from pipeline.reporting.provenance import revision
 from pipeline.reporting.results import read_coverage, read_results
 from pipeline.reporting.tables import Alignment, read
@@ -45,7 +45,8 @@ def main(
     found = tried_scenes(read_tried(tried), scenes)
     reference = Reference(read(Alignment, alignment, "alignment"), read_coverage(coverage), found)
     start = str(params.value("controller", "first"))
-    page = render(scenes, missing, reference, pictures, revision(), _parameters(), _random_frames(), start)
+    made = Made(revision(), _parameters(), _random_frames(), start)
+    page = render(scenes, missing, reference, pictures, made)
     twins.write(tables, twins.tables(scenes, reference))
     with writing(out) as aside:
         aside.write_text(page, encoding="utf-8")

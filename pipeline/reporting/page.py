@@ -17,7 +17,7 @@ from pipeline.reporting.curves import curve_plots
 from pipeline.reporting.learning import Learned, learned, scene_bands
 from pipeline.reporting.pictures import Pictures, read_pictures
 from pipeline.reporting.plots import behind_plot, race_plot, score_plot
-from pipeline.reporting.provenance import Costs, costs, flat, made_with
+from pipeline.reporting.provenance import costs, flat, made_with
 from pipeline.reporting.results import Coverage, SceneResults, View, short
 from pipeline.reporting.section3 import SYMBOLS, claimed, claims, judges_page
 from pipeline.reporting.tables import Alignment
@@ -69,15 +69,25 @@ class Reference:
     tried: list[TriedScene]
 
 
+@dataclass(frozen=True)
+class Made:
+    """How the results were made.
+
+    Attributes:
+        revision: the code's, in words.
+        parameters: what to name under "parameters"; ``budget`` among them.
+        random_frames: of each scene, how many a world model saw before its controller.
+        start: where a controller's search starts, see ``controller.first`` in params.yaml.
+    """
+
+    revision: str
+    parameters: dict[str, Any]
+    random_frames: dict[str, int]
+    start: str
+
+
 def render(
-    scenes: Sequence[SceneResults],
-    missing: Sequence[str],
-    reference: Reference,
-    pictures: Path,
-    revision: str,
-    parameters: dict[str, Any],
-    random_frames: dict[str, int],
-    start: str,
+    scenes: Sequence[SceneResults], missing: Sequence[str], reference: Reference, pictures: Path, made: Made
 ) -> str:
     """The page's HTML; the same bytes for the same arguments, files and recorded seconds.
 
@@ -86,36 +96,37 @@ def render(
         missing: names of scenes not ranked yet.
         reference: what stands beside the results.
         pictures: folder with one folder of pictures per branch.
-        revision: the code's revision, in words.
-        parameters: what to name under "parameters"; ``budget`` among them.
-        random_frames: of each scene, how many a world model saw before its controller.
-        start: where a controller's search starts, see ``controller.first`` in params.yaml.
+        made: how the results were made.
     """
     style = (TEMPLATES / "style.css").read_text(encoding="utf-8")
-    recorded: Costs = costs(scenes)
     return (
         _environment()
         .get_template("page.html.jinja")
         .render(
-            scenes=[_scene_page(scene, pictures) for scene in scenes],
-            judges=[page for s in scenes if (page := judges_page(s, random_frames[s.name])) is not None],
-            claims=claims(scenes),
-            people=reference.people,
-            coverage=reference.coverage,
-            tried=reference.tried,
+            **_results(scenes, pictures, made.random_frames),
+            **vars(reference),
             missing=missing,
-            start=start,
+            start=made.start,
             style=Markup(style),
             style_hash=_hash(style),
-            views=sum(len(scene.views) for scene in scenes),
-            trainings=sum(scene.trainings for scene in scenes),
-            revision=revision,
-            budget=parameters["budget"],
-            parameters=flat(parameters),
-            made_with=made_with(scenes),
-            costs=recorded,
+            revision=made.revision,
+            budget=made.parameters["budget"],
+            parameters=flat(made.parameters),
         )
     )
+
+
+def _results(scenes: Sequence[SceneResults], pictures: Path, random_frames: dict[str, int]) -> dict[str, Any]:
+    """What the template says of the ranked scenes."""
+    return {
+        "scenes": [_scene_page(scene, pictures) for scene in scenes],
+        "judges": [page for s in scenes if (page := judges_page(s, random_frames[s.name])) is not None],
+        "claims": claims(scenes),
+        "views": sum(len(scene.views) for scene in scenes),
+        "trainings": sum(scene.trainings for scene in scenes),
+        "made_with": made_with(scenes),
+        "costs": costs(scenes),
+    }
 
 
 def _scene_page(scene: SceneResults, pictures: Path) -> ScenePage:
