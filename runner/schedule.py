@@ -22,6 +22,8 @@ _LOOK_EVERY_S = 0.1
 DVC = (sys.executable, "-m", "runner.dvc")
 # SIGINT lets stages and DVC clean up. What goes on regardless gets the next signal after so many seconds, or
 # at another Ctrl-C.
+_NICER = 5  # by which each place's processes are nicer than those of the place before
+_NICEST = 15
 _ENDINGS = ((signal.SIGINT, 10.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
 
 
@@ -37,8 +39,12 @@ class _Process:
 class Schedule:
     """Runs jobs, so many at once.
 
+    A job of a lower place does not wait for one of a higher place: it begins beside it, as if that were not
+    there, and the other, whose processes are nicer, has what time is left. So the first scene's answer does
+    not wait for a training of the next scene that filled a gap.
+
     Attributes:
-        slots: how many at once.
+        slots: how many of a place, and of lower ones, at once.
         cores: what they share out among themselves; ``None`` where the user's own environment decides.
         environment: what the processes find in their environment besides.
         more: is told of each job that is done, and gives the jobs that have to be done now.
@@ -91,10 +97,11 @@ class Schedule:
         self._waiting = sorted([*self._waiting, *jobs], key=lambda job: job.place)
 
     def _ready(self) -> list[Job]:
-        """The jobs that could begin, the first of them now; none while all slots are taken."""
-        if len(self._running) >= self.slots:
-            return []
-        return [job for job in self._waiting if job.after <= self._done]
+        """The jobs that could begin, the first of them now."""
+        return [job for job in self._waiting if job.after <= self._done and self._slot_for(job)]
+
+    def _slot_for(self, job: Job) -> bool:
+        return sum(process.job.place <= job.place for process in self._running) < self.slots
 
     def _start(self, job: Job, ready: int) -> None:
         self._waiting.remove(job)
@@ -102,7 +109,16 @@ class Schedule:
         with log.open("wb") as file:
             child = subprocess.Popen(
                 # DVC takes the first option before the subcommand only
-                [*DVC, "--wait-for-lock", "repro", "--single-item", *job.stages],
+                [
+                    "nice",
+                    "-n",
+                    str(min(_NICER * job.place, _NICEST)),
+                    *DVC,
+                    "--wait-for-lock",
+                    "repro",
+                    "--single-item",
+                    *job.stages,
+                ],
                 env=self._share(ready),
                 stdin=subprocess.DEVNULL,
                 stdout=file,

@@ -31,7 +31,8 @@ def note(what):
 if "stubborn" in stages[0]:
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-seconds = 60 if "long" in stages[0] else 0.3
+seconds = 60 if "long" in stages[0] else 3 if "slow" in stages[0] else 0.3
+open("niceness", "a").write(f"{{os.nice(0)}} {{stages[0]}}\\n")
 stage = subprocess.Popen(["sleep", str(seconds)])
 signal.signal(signal.SIGINT, signal.SIG_IGN)
 open("pids", "a").write(f"{{os.getpid()}} {{stage.pid}}\\n")
@@ -113,6 +114,17 @@ def test_jobs_that_come_of_others_run_and_those_of_a_lower_place_first(place: Pa
 
     made(place, 1, more=once_more).run([job("a"), job("b", "a"), job("later", place=1)])
     assert [name for what, name in calls(place) if what == "begin"] == ["a", "b", "a", "c", "later"]
+
+
+def test_a_job_does_not_wait_for_one_of_a_higher_place_and_is_less_nice(place: Path) -> None:
+    made(place, 2).run([job("a"), job("b", "a"), job("c", "a"), job("slow", place=1), job("last", place=1)])
+    order = calls(place)
+    assert order.index(("begin", "slow")) < order.index(("end", "a"))  # it filled the gap
+    assert order.index(("begin", "c")) < order.index(("end", "slow"))
+    assert order.index(("end", "c")) < order.index(("begin", "last"))  # which takes no third slot
+    lines = (place / "niceness").read_text().split()
+    niceness = dict(zip(lines[1::2], map(int, lines[::2]), strict=True))
+    assert niceness["first@slow"] - niceness["first@c"] == 5
 
 
 @pytest.mark.parametrize(("cores", "jobs", "shares"), [(8, 1, ["8"]), (8, 2, ["4", "4"]), (1, 2, ["1", "1"])])
