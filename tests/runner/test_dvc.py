@@ -27,6 +27,16 @@ with Repo() as repo:
     repo.stage.collect("vae@study")
 print(open("dvc.lock").read() in read)
 """
+HALF_WRITTEN = """
+from runner import dvc
+from dvc.utils.serialize import _yaml
+def interrupted(*_):
+    raise RuntimeError("while it was written")
+dvc.updated = interrupted
+dvc.write_faster()
+with _yaml.modify_yaml("dvc.lock") as data:
+    data["stages"].clear()
+"""
 VALUES = [None, True, -3, 1e-05, 1e300, 0.1, -math.inf, "", "a b", "ä", "- x", "a: b", "#", "it's", *WORDS]
 
 
@@ -66,6 +76,14 @@ def test_a_stage_leaves_the_same_lock(clone: Clone) -> None:
         locks.append((clone.root / "dvc.lock").read_bytes())
         (clone.root / "dvc.lock").unlink()
     assert locks[0] == locks[1]
+
+
+def test_a_lock_is_never_there_half_written(clone: Clone) -> None:
+    shutil.copyfile(ROOT / "dvc.lock", clone.root / "dvc.lock")
+    told = clone.run("python", "-c", HALF_WRITTEN, status=1).stderr
+    assert told.rstrip().endswith("RuntimeError: while it was written")
+    assert (clone.root / "dvc.lock").read_bytes() == (ROOT / "dvc.lock").read_bytes()
+    assert not list(clone.root.glob("*.part")) and not list(clone.root.glob(".*.part"))
 
 
 def test_a_broken_file_is_told_in_dvcs_words(clone: Clone) -> None:

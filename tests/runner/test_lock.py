@@ -1,0 +1,77 @@
+"""dvc.lock with some stages changed, against DVC's own text of the whole."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from dvc.utils.serialize import _yaml
+
+from runner.lock import updated
+from tests.support import ROOT
+
+Tree = dict[str, Any]
+LOCK = (ROOT / "dvc.lock").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def before() -> Tree:
+    tree = _yaml.parse_yaml(LOCK, "dvc.lock")
+    stages = dict(list(tree["stages"].items())[:12])
+    return {"schema": tree["schema"], "stages": stages}
+
+
+def _first(tree: Tree) -> Tree:
+    stage: Tree = next(iter(tree["stages"].values()))
+    return stage
+
+
+def change(tree: Tree) -> None:
+    _first(tree)["cmd"] = "python -m " + "word " * 40 + "end"
+
+
+def retype(tree: Tree) -> None:
+    _first(tree)["outs"][0]["size"] = float(_first(tree)["outs"][0]["size"])
+
+
+def add(tree: Tree) -> None:
+    tree["stages"]["new@one"] = {"cmd": "a: b", "params": {"x": [1, None, {"y": 1e-05}]}}
+
+
+def remove(tree: Tree) -> None:
+    del tree["stages"][list(tree["stages"])[3]]
+
+
+def move(tree: Tree) -> None:
+    name = next(iter(tree["stages"]))
+    tree["stages"][name] = tree["stages"].pop(name)
+
+
+def empty(tree: Tree) -> None:
+    tree["stages"].clear()
+
+
+def extend(tree: Tree) -> None:
+    tree["datasets"] = [{"name": "a"}]
+
+
+@pytest.mark.parametrize("edit", [lambda tree: None, change, retype, add, remove, move, empty, extend])
+def test_the_text_is_dvcs(before: Tree, edit: Callable[[Tree], None]) -> None:
+    after = copy.deepcopy(before)
+    edit(after)
+    text = _yaml.dumps_yaml(before)
+    assert updated(text, before, after, _yaml.dumps_yaml) == _yaml.dumps_yaml(after)
+
+
+def test_only_what_changed_is_written(before: Tree) -> None:
+    after, written = copy.deepcopy(before), []
+    change(after)
+    updated(_yaml.dumps_yaml(before), before, after, lambda tree: written.append(tree) or "stages:\n")  # type: ignore[func-returns-value]
+    assert written == [{"stages": dict([next(iter(after["stages"].items()))])}]
+
+
+def test_a_text_of_another_form_is_written_whole(before: Tree) -> None:
+    text = "# mine\n" + _yaml.dumps_yaml(before).replace("stages:\n", "stages:\n  # a note\n")
+    assert updated(text, before, before, _yaml.dumps_yaml) == _yaml.dumps_yaml(before)
