@@ -87,6 +87,8 @@ def _be_stage(module: str, arguments: Sequence[str], cwd: str, environment: dict
         status = 0
     except SystemExit as end:
         status = end.code if isinstance(end.code, int) else int(end.code is not None)
+        if end.code is not None and not isinstance(end.code, int):
+            print(end.code, file=sys.stderr)
     except BaseException:  # as Python does with what nobody catches
         traceback.print_exc()
     finally:
