@@ -12,8 +12,8 @@ import numpy as np
 import polars as pl
 
 from pipeline.stats.coverage import POPULATIONS, Population, draw, run
-from pipeline.stats.dunnett import tail
 from pipeline.stats.race import Rules
+from pipeline.stats.tails import tail
 
 OUT = Path("data/reference/coverage.csv")
 VIEWS, SITUATIONS = (2, 3, 6), {"tie": 0.0, "0.05 apart": 0.05, "0.1 apart": 0.1}

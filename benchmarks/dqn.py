@@ -12,11 +12,11 @@ from benchmarks import timing
 from benchmarks.rows import Row, goal_row
 from pipeline.contract import params
 from pipeline.contract.machine import cores
+from pipeline.contract.viewpoints import viewpoint
 from pipeline.learning.device import compute
 from pipeline.qlearning.judge import network
 from pipeline.qlearning.params import DqnParams, DqnSizes
 from pipeline.qlearning.reach_env import ReachEnv
-from pipeline.sim.camera import viewpoint
 from pipeline.sim.scene import load_scene
 
 SCENE, THETA_DEG, PHI_DEG = "fetch_reach", 45.0, 30.0

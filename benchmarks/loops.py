@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import torch
 
+from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.jobs import Networks
 from pipeline.control.loop import Loop, Workers
 from pipeline.control.loops import Loops, closed_loops
 from pipeline.control.policy import parameters
 from pipeline.learning.device import compute
-from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.scene import Scene, load_scene
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.mdnrnn import MdnRnn

@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.rows import Row, goal_row
 from pipeline.contract import params
-from pipeline.sim.camera import Viewpoint
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.images import Images, model_seen_from
 from pipeline.sim.scene import CAMERA, Scene, load_scene

@@ -20,9 +20,9 @@ from benchmarks import timing, vae_profile
 from benchmarks.rows import AT_MOST, Row, goal_row
 from benchmarks.vae_profile import Step
 from pipeline.contract.machine import cores
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.learning.device import Compute, compute
 from pipeline.learning.training import seeded
-from pipeline.sim.camera import Viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.images import Images
 from pipeline.sim.scene import load_scene

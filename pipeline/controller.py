@@ -15,6 +15,7 @@ from pipeline.contract.artefacts import writing
 from pipeline.contract.machine import cores
 from pipeline.contract.repeats import Place, code_digest, finished_together
 from pipeline.contract.stage import entry
+from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.first import Experience
 from pipeline.control.jobs import Networks
 from pipeline.control.loops import closed_loops
@@ -22,7 +23,6 @@ from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.control.search import Repeat, search_controllers, search_sizes
 from pipeline.control.searched import curves, gather_controllers, save_search
 from pipeline.learning.device import compute
-from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.scene import Scene, load_scene
 
 CODE = ("contract", "control", "learning", "sim", "worldmodel", "controller.py")

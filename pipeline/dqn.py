@@ -14,6 +14,7 @@ from pipeline.contract.machine import cores
 from pipeline.contract.repeats import code_digest, finished
 from pipeline.contract.seeds import Stream
 from pipeline.contract.stage import entry
+from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.outcomes import evaluation_episodes, made_with, means
 from pipeline.control.params import EvaluationSizes
 from pipeline.learning.device import compute
@@ -24,7 +25,6 @@ from pipeline.qlearning.params import DqnParams, DqnSizes
 from pipeline.qlearning.reach_env import ReachEnv
 from pipeline.qlearning.tables import CURVE, EPISODES, joined
 from pipeline.qlearning.trial import tried
-from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene, load_scene
 from pipeline.sim.sight import refuse_hidden_targets

@@ -15,6 +15,7 @@ from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import cores
 from pipeline.contract.repeats import Place, code_digest, finished_together
 from pipeline.contract.stage import entry
+from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.jobs import Networks
 from pipeline.control.loops import closed_loops
 from pipeline.control.outcomes import evaluation_episodes, made_with, means
@@ -22,7 +23,6 @@ from pipeline.control.params import EvaluationSizes
 from pipeline.control.policy import load_controller
 from pipeline.control.trial import CLIP, OUTCOMES, numbers, try_out
 from pipeline.learning.device import Compute, compute
-from pipeline.sim.camera import Viewpoint, viewpoint
 from pipeline.sim.scene import Scene, load_scene
 
 CODE = ("contract", "control", "learning", "sim", "worldmodel", "evaluation.py")

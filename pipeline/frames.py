@@ -16,7 +16,7 @@ from pipeline.contract.progress import Progress
 from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_store
 from pipeline.contract.scratch import digest_files
 from pipeline.contract.stage import entry
-from pipeline.sim.camera import Viewpoint, viewpoint
+from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.sim.images import Gallery
 from pipeline.sim.replay import render, write_pictures
 from pipeline.sim.scene import Scene, load_scene

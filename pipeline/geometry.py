@@ -11,7 +11,7 @@ from pipeline.baselines.visibility import visibility
 from pipeline.contract import zarrs
 from pipeline.contract.artefacts import write_json
 from pipeline.contract.stage import entry
-from pipeline.sim.camera import viewpoint
+from pipeline.contract.viewpoints import viewpoint
 from pipeline.sim.scene import load_scene
 from pipeline.sim.sight import PICTURE_SIZE
 

@@ -20,12 +20,12 @@ from pipeline.stats.baselines import compare
 from pipeline.stats.branches import read_results
 from pipeline.stats.claims import read_claims
 from pipeline.stats.dqn import read_dqn
-from pipeline.stats.dunnett import tail
 from pipeline.stats.params import RankingParams
 from pipeline.stats.race import Rules
 from pipeline.stats.ranks import rank
 from pipeline.stats.replay import replay
 from pipeline.stats.section3 import comparison
+from pipeline.stats.tails import tail
 from pipeline.stats.words import progress, sentence
 
 MIX_VARIABLE = "BELVEDERE_MIX"  # an environment variable: where a result was made is no parameter

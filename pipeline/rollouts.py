@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import mujoco
-from pydantic import Field
 
 from pipeline.contract import params, seeds, zarrs
 from pipeline.contract.allocation import scene_repeats
@@ -15,16 +14,11 @@ from pipeline.contract.progress import Progress
 from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_store
 from pipeline.contract.scratch import digest_files
 from pipeline.contract.stage import entry
-from pipeline.sim.exploration import ExplorationParams, roll
+from pipeline.sim.exploration import roll
+from pipeline.sim.params import ExplorationParams, RolloutSizes
 from pipeline.sim.scene import Scene, load_scene
 
 CODE = ("contract", "sim", "rollouts.py")
-
-
-class RolloutSizes(params.Section):
-    """``episodes``: of each repeat."""
-
-    episodes: Annotated[int, Field(ge=2)]
 
 
 def main(*, scene: str, out: Path, store: Path) -> None:

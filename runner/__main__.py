@@ -14,6 +14,8 @@ from pipeline.contract import params, scratch
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.machine import CORES_VARIABLE, cores
 from runner.dvc import read_faster
+from runner.lock import check_lock
+from runner.parameters import check_parameters
 from runner.plan import branches, read_pipeline
 from runner.race import Race, allocate, soonest_answered
 from runner.schedule import DVC, Schedule
@@ -25,6 +27,8 @@ _NVIDIA = Path("/dev/nvidiactl")  # there where CUDA is
 def main(argv: Sequence[str]) -> int:
     """Runs what is asked for and returns the exit status."""
     asked = _parser().parse_args(argv)
+    check_parameters()
+    check_lock()
     slots = default_jobs() if asked.jobs is None else number_of_jobs(asked.jobs)
     for scene in asked.scenes:
         if scene not in params.value("scenes"):

@@ -1,4 +1,4 @@
-"""`python -m runner.dvc …` is `dvc …` that reads and writes YAML faster and starts a branch's stages faster.
+"""`python -m runner.dvc …` is `dvc …` that checks params.yaml first, and loses less time on YAML and starts.
 
 For every stage DVC parses params.yaml anew, and for every stage that ran dvc.lock, which it then writes
 whole, in pure Python: with some hundred stages that takes longer than some stages do. Here libyaml parses
@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import os
 import pickle
-import re
 import shlex
 import signal
 import sys
@@ -23,42 +22,17 @@ from typing import Any
 
 import yaml
 
-from runner.lock import updated
+from pipeline.contract.errors import BelvedereError
+from pipeline.contract.yamls import parse
+from runner.lock import LOCK_FILE, check_lock, updated
+from runner.parameters import check_parameters
 from runner.warm import STAGES, Warm
-
-_LOCK = "dvc.lock"
-_NUMBERS = list("-+.0123456789")
-# YAML 1.2's plain scalars, as DVC's own parser has them; PyYAML's are those of YAML 1.1.
-_SCALARS = (
-    ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
-    ("bool", r"true|True|TRUE|false|False|FALSE", list("tTfF")),
-    ("int", r"[-+]?[0-9][0-9_]*|0o[0-7]+|0x[0-9a-fA-F]+", _NUMBERS),
-    ("float", r"[-+]?(\.[0-9]+|[0-9][0-9_]*(\.[0-9_]*)?)([eE][-+]?[0-9]+)?", _NUMBERS),
-    ("float", r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)", _NUMBERS),
-    ("merge", r"<<", ["<"]),
-)
-
-
-class Loader(yaml.CSafeLoader):
-    """libyaml's parser with the scalars of YAML 1.2."""
-
-    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012  (PyYAML's own attribute)
-
-
-def _integer(loader: Loader, node: yaml.ScalarNode) -> int:
-    """``030`` is thirty here, and 24 in YAML 1.1."""
-    return int(node.value, 0) if node.value[:2] in ("0o", "0x") else int(node.value)
-
-
-for _tag, _pattern, _first in _SCALARS:
-    Loader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"^(?:{_pattern})$"), _first)
-Loader.add_constructor("tag:yaml.org,2002:int", _integer)
 
 
 @lru_cache(maxsize=8)
 def _parsed(text: str) -> bytes:
     """What a text holds, pickled: DVC parses dvc.lock anew for each target, and may change what it gets."""
-    return pickle.dumps(yaml.load(text, Loader) or {})
+    return pickle.dumps(parse(text) or {})
 
 
 def read_faster() -> None:
@@ -69,7 +43,7 @@ def read_faster() -> None:
     slow = _yaml.parse_yaml
 
     def parse_yaml(text: str, path: Any, typ: str = "safe") -> Any:
-        if typ != "safe" and not str(path).endswith(_LOCK):
+        if typ != "safe" and not str(path).endswith(LOCK_FILE.name):
             return slow(text, path, typ)
         try:
             return pickle.loads(_parsed(text))
@@ -89,7 +63,7 @@ def write_faster() -> None:
     @contextmanager
     def modify(path: Any, *how: Any, **more: Any) -> Iterator[Any]:
         file = Path(path)
-        if file.name != _LOCK or not file.is_file():
+        if file.name != LOCK_FILE.name or not file.is_file():
             with slow(path, *how, **more) as data:
                 yield data
             return
@@ -129,10 +103,29 @@ def start_faster() -> None:
     run._run = run_command
 
 
+def check_first() -> None:
+    """Makes DVC, in this process, look at params.yaml before it runs anything."""
+    from dvc.exceptions import DvcException
+    from dvc.repo import Repo
+
+    unchecked = Repo.reproduce
+
+    def reproduce(repo: Repo, *how: Any, **more: Any) -> Any:
+        try:
+            check_parameters()
+            check_lock()
+        except BelvedereError as error:
+            raise DvcException(str(error)) from None
+        return unchecked(repo, *how, **more)
+
+    Repo.reproduce = reproduce
+
+
 def main(arguments: list[str]) -> int:
     """Runs DVC's command line and returns its status."""
     from dvc.cli import main as command
 
+    check_first()
     read_faster()
     write_faster()
     start_faster()

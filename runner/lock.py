@@ -8,8 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
+from pipeline.contract.errors import BelvedereError
+from pipeline.contract.yamls import read_yaml
+
+LOCK_FILE = Path("dvc.lock")
 _PARTS = ["schema", "stages"]
 _STAGE = re.compile(r"^(?=  \S)", re.MULTILINE)  # what is within a stage is further in
 
@@ -38,3 +43,23 @@ def updated(
         written, own = old.get(name, ("", ""))  # by repr: 1 and 1.0 are equal, and 1 and True
         made.append(own if written == repr(stage) else dumps({"stages": {name: stage}}).partition("\n")[2])
     return "".join(made)
+
+
+def check_lock(path: Path = LOCK_FILE) -> None:
+    """Looks whether dvc.lock is whole: `dvc` that was stopped while it wrote leaves it empty or cut short.
+
+    Raises:
+        BelvedereError: it is not; says how to get a whole one.
+    """
+    from dvc.schema import COMPILED_LOCKFILE_SCHEMA
+    from voluptuous import Invalid
+
+    if not path.is_file():
+        return
+    try:
+        COMPILED_LOCKFILE_SCHEMA(read_yaml(path))
+    except (BelvedereError, Invalid):
+        raise BelvedereError(
+            f"{path} is damaged, as by a `dvc` that was stopped while it wrote; `git checkout {path}` brings "
+            "back the committed one; what was made since is found in DVC's cache, not made again."
+        ) from None

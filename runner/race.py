@@ -17,6 +17,7 @@ from pipeline.contract.allocation import (
 )
 from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.viewpoints import named_viewpoints
 from runner.plan import Job, Pipeline, jobs
 
 RANKINGS = Path("reports/rankings")
@@ -29,7 +30,7 @@ def allocate() -> Allocation:
     first.
     """
     budget, seed = params.budget(), params.seed()
-    views = {"study": params.value("viewpoint"), **(params.value("viewpoints") or {})}
+    views = named_viewpoints()
     former = read_allocation() if ALLOCATION_FILE.is_file() else None
     if former and (former.budget, former.seed) != (budget, seed):
         former = None
@@ -40,12 +41,9 @@ def allocate() -> Allocation:
     entries = {}
     for key, view in views.items():
         entry = former.branches.get(key) if former else None
-        same = entry and entry.model_dump(exclude={"repeats"}) == view
-        scene = view["scene"]
-        count = entry.repeats if entry and same else scenes.get(scene, 1)
-        entries[key] = Entry(
-            **view, repeats=max(first.get(scene, 1), count)
-        )  # the stages refuse other scenes
+        same = entry and entry.model_dump(exclude={"repeats"}) == view.model_dump()
+        count = entry.repeats if entry and same else scenes[view.scene]
+        entries[key] = Entry(**view.model_dump(), repeats=max(first[view.scene], count))
     found = Allocation(budget=budget, seed=seed, scenes=scenes, branches=entries)
     if former != found:
         write_allocation(found)

@@ -50,23 +50,24 @@ class Warm:
 
 def _begin() -> socket.socket:
     ours, theirs = socket.socketpair()
-    command = [sys.executable, "-m", "runner.warm", str(theirs.fileno())]
+    command = [sys.executable, "-m", "runner.warm", str(theirs.fileno()), str(os.getpid())]
     subprocess.Popen(command, pass_fds=[theirs.fileno()])
     theirs.close()
     return ours
 
 
-def serve(descriptor: int) -> None:
-    """Waits for stages until the other end is closed."""
-    _die_with_parent()
+def serve(descriptor: int, parent: int) -> None:
+    """Waits for stages until the other end is closed or the parent has ended."""
+    _die_with(parent)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the stage's to heed
     for name in LIBRARIES:
         importlib.import_module(name)
     gc.freeze()  # so that no stage walks through the libraries' objects
     with socket.socket(fileno=descriptor) as end, end.makefile("rw", encoding="utf-8") as lines:
         while asked := lines.readline():
-            child = os.fork()
+            own, child = os.getpid(), os.fork()
             if not child:
+                _die_with(own)
                 end.close()
                 _be_stage(**json.loads(asked))
             lines.write(f"{os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])}\n")
@@ -77,7 +78,6 @@ def _be_stage(module: str, arguments: Sequence[str], cwd: str, environment: dict
     """Becomes the stage: never returns to what the parent was doing."""
     status: Any = 1
     try:
-        _die_with_parent()
         signal.signal(signal.SIGINT, signal.default_int_handler)
         os.chdir(cwd)
         os.environ.clear()
@@ -97,10 +97,12 @@ def _be_stage(module: str, arguments: Sequence[str], cwd: str, environment: dict
         os._exit(status or 0)
 
 
-def _die_with_parent() -> None:
+def _die_with(parent: int) -> None:
     if sys.platform == "linux":
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+        if os.getppid() != parent:  # it ended before we asked
+            os._exit(1)
 
 
 if __name__ == "__main__":
-    serve(int(sys.argv[1]))
+    serve(*map(int, sys.argv[1:]))

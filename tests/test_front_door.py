@@ -70,6 +70,28 @@ def test_a_command_runs_in_the_environment_from_the_root(clone: Clone, tmp_path:
     assert done.stdout.splitlines() == [str(clone.root), str(clone.root / ".venv"), str(arguments)]
 
 
+def test_the_callers_python_packages_stay_outside(clone: Clone, tmp_path: Path) -> None:
+    """A sourced ROS sets PYTHONPATH, where pytest finds plugins, and other versions of what we use lie."""
+    clone.lend_environment()
+    foreign = tmp_path / "site"
+    (foreign / "ros-1.0.dist-info").mkdir(parents=True)
+    (foreign / "ros-1.0.dist-info/METADATA").write_text("Metadata-Version: 2.1\nName: ros\nVersion: 1.0\n")
+    (foreign / "ros-1.0.dist-info/entry_points.txt").write_text("[pytest11]\nros = ros_plugin\n")
+    for name in ("ros_plugin", "numpy", "yaml"):
+        (foreign / f"{name}.py").write_text("raise ImportError('foreign')\n", encoding="utf-8")
+    callers = {
+        "PYTHONPATH": str(foreign),
+        "PYTHONSAFEPATH": "1",
+        "PYTHONOPTIMIZE": "1",
+        "PYTEST_ADDOPTS": "--nope",
+    }
+    clone.run("./run", "test", "tests/contract/test_split.py", "-k", "kept", **callers)
+    said = clone.run(
+        "./run", "python", "-c", "import numpy, pipeline; assert False", status=None, **callers
+    ).stderr
+    assert "AssertionError" in said
+
+
 def test_a_commands_status_is_passed_on(clone: Clone) -> None:
     clone.lend_environment()
     clone.run("./run", "python", "-c", "raise SystemExit(7)", status=7)

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.sim.camera import Viewpoint, camera_to_world
+from pipeline.contract.viewpoints import Viewpoint
+from pipeline.sim.camera import camera_to_world
 from pipeline.sim.scene import Scene
 
 

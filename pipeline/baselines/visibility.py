@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.sim.camera import Viewpoint
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.images import target_pixels_unhidden
 from pipeline.sim.scene import Scene
 from pipeline.sim.sight import PICTURE_SIZE, Sight, to_pixels

@@ -15,9 +15,10 @@ from pydantic import Field
 from pipeline.contract import params
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.viewpoints import Viewpoint
 
 ALLOCATION_FILE = Path("data/allocation.yaml")
-Count = Annotated[int, Field(ge=1)]
+Count = Annotated[int, Field(ge=1, le=params.MOST_REPEATS)]
 
 _HEAD = """\
 # How many repeats (independent trainings) each viewpoint has. ./run writes it, round by round: a viewpoint
@@ -26,12 +27,9 @@ _HEAD = """\
 """
 
 
-class Entry(params.Section):
-    """A branch's viewpoint (angles in degrees) and its number of repeats."""
+class Entry(Viewpoint):
+    """A branch's viewpoint and its number of repeats."""
 
-    scene: str
-    theta: float
-    phi: float
     repeats: Count
 
 

@@ -6,16 +6,19 @@ knows how to read one and how to say, in a sentence, what is wrong with it.
 
 from __future__ import annotations
 
+import json
+import reprlib
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from pipeline.contract.errors import BelvedereError, unknown
+from pipeline.contract.yamls import read_yaml
 
 PARAMS_FILE = Path("params.yaml")
+MOST_REPEATS = 40  # of a viewpoint
 
 
 class Section(BaseModel):
@@ -29,10 +32,7 @@ SectionT = TypeVar("SectionT", bound=Section)
 
 @lru_cache(maxsize=4)
 def _tree(path: Path, mtime_ns: int) -> dict[str, Any]:
-    try:
-        tree = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except yaml.YAMLError as error:
-        raise BelvedereError(f"{path} is not valid YAML: {' '.join(str(error).split())}.") from None
+    tree = read_yaml(path)
     if not isinstance(tree, dict):
         raise BelvedereError(f"{path} holds no mapping of parameters at its top level.")
     return tree
@@ -71,12 +71,18 @@ def section(model: type[SectionT], *keys: str, path: Path = PARAMS_FILE) -> Sect
 
 
 def _validated(model: type[SectionT], where: str, tree: Any, path: Path) -> SectionT:
-    try:
-        return model.model_validate(tree)
+    try:  # as JSON, by pydantic's strict rules: lists are tuples, but 1 is not true and "1" is not 1
+        return model.model_validate_json(json.dumps(tree, default=str), strict=True)
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join([*filter(None, [where]), *(str(part) for part in first["loc"])])
-        raise BelvedereError(f"{path}: {place} = {first['input']!r} is not valid: {first['msg']}.") from None
+        raise invalid(path, place, first["input"], first["msg"].removeprefix("Value error, ")) from None
+
+
+def invalid(path: Path, place: str, given: object, why: str) -> BelvedereError:
+    """The error for a value of params.yaml; a whole section is not printed, and a long text only in part."""
+    shown = "" if isinstance(given, (dict, list)) else f" = {reprlib.repr(given)}"
+    return BelvedereError(f"{path}: {place}{shown} is not valid: {why}.")
 
 
 def budget_section(
@@ -100,20 +106,29 @@ def scene_section(model: type[SectionT], *keys: str, scene: str, path: Path = PA
 
 
 def _with_scene(model: type[SectionT], keys: tuple[str, ...], scene: str | None, path: Path) -> SectionT:
-    tree = value(*keys, path=path)
+    tree, where = value(*keys, path=path), ".".join(keys)
     if not isinstance(tree, dict) or "scenes" not in tree:
         return section(model, *keys, path=path)
     own = {key: entry for key, entry in tree.items() if key != "scenes"}
-    others = tree["scenes"] if isinstance(tree["scenes"], dict) else {"scenes": tree["scenes"]}
-    return _validated(model, ".".join(keys), own | (others.get(scene) or {}), path)
+    named = mapping(*keys, "scenes", path=path)
+    others = mapping(*keys, "scenes", scene, path=path) if scene in named else {}
+    return _validated(model, where, own | others, path)
+
+
+def mapping(*keys: str, path: Path = PARAMS_FILE) -> dict[str, Any]:
+    """The mapping at ``keys``; an empty one where nothing stands after the key."""
+    tree = value(*keys, path=path)
+    if tree is not None and not isinstance(tree, dict):
+        raise invalid(path, ".".join(keys), tree, "it is a mapping of names to values")
+    return tree or {}
 
 
 def budget(path: Path = PARAMS_FILE) -> str:
     """The name of the chosen budget."""
-    name, budgets = value("budget", path=path), value("budgets", path=path)
-    if name not in budgets:
+    name, budgets = value("budget", path=path), mapping("budgets", path=path)
+    if not isinstance(name, str) or name not in budgets:
         raise unknown(f"budget (in {path})", name, budgets)
-    return str(name)
+    return name
 
 
 class Race(Section):
@@ -125,7 +140,7 @@ class Race(Section):
     """
 
     first: Annotated[int, Field(ge=2)]
-    most: Annotated[int, Field(le=40)]
+    most: Annotated[int, Field(le=MOST_REPEATS)]
 
     @model_validator(mode="after")
     def _ordered(self) -> Race:
@@ -147,8 +162,8 @@ def first_repeats(scene: str, path: Path = PARAMS_FILE) -> int:
 def seed(path: Path = PARAMS_FILE) -> int:
     """The root of every random draw."""
     root = value("seed", path=path)
-    if not isinstance(root, int) or isinstance(root, bool) or root < 0:
-        raise BelvedereError(f"{path}: seed = {root!r} is not valid; it is a whole number from 0 up.")
+    if not isinstance(root, int) or isinstance(root, bool) or not 0 <= root < 2**63:
+        raise invalid(path, "seed", root, "it is a whole number from 0 up, below 2⁶³")
     return root
 
 
@@ -165,5 +180,5 @@ def sight_share(path: Path = PARAMS_FILE) -> float:
 def _share(name: str, path: Path) -> float:
     share = value(name, path=path)
     if not isinstance(share, (int, float)) or isinstance(share, bool) or not 0 < share < 1:
-        raise BelvedereError(f"{path}: {name} = {share!r} is not valid; it lies strictly between 0 and 1.")
+        raise invalid(path, name, share, "it lies strictly between 0 and 1")
     return float(share)

@@ -7,11 +7,9 @@ A stage is a script with ``def main(*, scene: str, theta: float, out: Path) -> N
 from __future__ import annotations
 
 import argparse
-import ctypes
 import gc
 import inspect
 import os
-import signal
 import sys
 import threading
 import time
@@ -24,10 +22,10 @@ from typing import NoReturn
 from pipeline.contract import scratch
 from pipeline.contract.artefacts import write_json
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.lifetime import STAGE_VARIABLE
 from pipeline.contract.machine import cores, processor
 
 WORKER = "worker"  # what the names of threads begin with for which an ending process must not wait
-_PR_SET_PDEATHSIG = 1
 
 
 def entry(main: Callable[..., None], argv: Sequence[str] | None = None) -> None:
@@ -36,7 +34,6 @@ def entry(main: Callable[..., None], argv: Sequence[str] | None = None) -> None:
     Flags are the keyword parameters of ``main``: ``str``, ``int``, ``float``, ``Path`` or, where a
     flag may be given several values, ``list[str]`` / ``list[Path]``; one with a default is optional.
     """
-    die_with_parent()
     _line_buffer()
     gc.freeze()  # libraries' objects live to the end: to walk through them takes 2 s at exit alone
     begun = time.monotonic()
@@ -67,10 +64,17 @@ def _others_work() -> bool:
     return any(thread.name.startswith(WORKER) for thread in threading.enumerate())
 
 
+class _Parser(argparse.ArgumentParser):
+    """A parser that tells what is wrong in one sentence."""
+
+    def error(self, message: str) -> NoReturn:
+        raise BelvedereError(f"{message}; `--help` lists the flags and what they take.")
+
+
 def parser(main: Callable[..., None]) -> argparse.ArgumentParser:
     """The argument parser that :func:`entry` uses."""
     doc = inspect.getdoc(inspect.getmodule(main)) or ""
-    result = argparse.ArgumentParser(description=doc.splitlines()[0] if doc else None)
+    result = _Parser(description=doc.splitlines()[0] if doc else None)
     hints = typing.get_type_hints(main)
     for name, parameter in inspect.signature(main).parameters.items():
         kind = hints[name]
@@ -90,16 +94,10 @@ def parser(main: Callable[..., None]) -> argparse.ArgumentParser:
 
 def _record_seconds(seconds: float) -> None:
     """Keeps what a stage took, for the report; in the scratch store, since outputs must not vary."""
-    stage = os.environ.get("DVC_STAGE")
+    stage = os.environ.get(STAGE_VARIABLE)
     if stage:
         record = {"stage": stage, "seconds": round(seconds, 1), "machine": processor(), "cores": cores()}
         write_json(scratch.root() / "seconds" / f"{stage}.json", record)
-
-
-def die_with_parent() -> None:
-    """Asks Linux to end this process with DVC: an orphan could write over a later run's output."""
-    if sys.platform == "linux" and "DVC_STAGE" in os.environ:
-        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 def _line_buffer() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 
 from pipeline.contract.artefacts import writing
-from pipeline.sim.camera import Viewpoint
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.images import Images
 from pipeline.sim.scene import Scene
 from pipeline.sim.sight import PICTURE_SIZE

@@ -18,10 +18,10 @@ import warp as wp
 from torch import Tensor
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.control.jobs import Job, Networks
 from pipeline.control.loop import Trace
 from pipeline.control.policy import Controllers
-from pipeline.sim.camera import Viewpoint
 from pipeline.sim.device_worlds import DeviceWorlds
 from pipeline.sim.draws import Episodes
 from pipeline.sim.images import start_ray_tracer

@@ -15,8 +15,8 @@ import numpy as np
 import torch
 
 from pipeline.contract.stage import WORKER
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.control.policy import Controllers
-from pipeline.sim.camera import Viewpoint
 from pipeline.sim.draws import Episodes
 from pipeline.sim.images import Images
 from pipeline.sim.scene import Scene

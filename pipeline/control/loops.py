@@ -8,10 +8,10 @@ from typing import Protocol
 import numpy as np
 import torch
 
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.control.device_loop import DeviceLoop
 from pipeline.control.jobs import Job, Networks
 from pipeline.control.loop import Loop, Trace, Workers
-from pipeline.sim.camera import Viewpoint
 from pipeline.sim.scene import Scene
 
 

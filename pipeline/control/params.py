@@ -8,8 +8,8 @@ from pydantic import Field
 
 from pipeline.contract.params import Section
 
-Count = Annotated[int, Field(ge=1)]
-Positive = Annotated[float, Field(gt=0)]
+Count = Annotated[int, Field(ge=1, le=10_000)]
+Positive = Annotated[float, Field(gt=0, le=1000)]
 
 
 class SearchParams(Section):
@@ -44,7 +44,7 @@ class SearchSizes(Section):
     ``episodes`` are those by which each candidate of a generation is judged.
     """
 
-    population: Annotated[int, Field(ge=2)]
+    population: Annotated[int, Field(ge=2, le=10_000)]
     episodes: Count
     generations: Count
 

@@ -10,11 +10,11 @@ import numpy as np
 import polars as pl
 
 from pipeline.contract.progress import Progress
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.control.clip import write_clip
 from pipeline.control.jobs import Job
 from pipeline.control.loops import Loops
 from pipeline.control.outcomes import outcomes
-from pipeline.sim.camera import Viewpoint
 from pipeline.sim.draws import Episodes
 
 OUTCOMES, CLIP = "outcomes.parquet", "clip.webp"

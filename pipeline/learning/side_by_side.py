@@ -9,7 +9,7 @@ from multiprocessing import active_children, get_context
 from typing import TypeVar
 
 from pipeline.contract.machine import CORES_VARIABLE, cores
-from pipeline.contract.stage import WORKER, die_with_parent
+from pipeline.contract.stage import WORKER
 
 Result = TypeVar("Result")
 
@@ -59,5 +59,4 @@ def in_processes(make: Callable[[int], Result], repeats: int) -> list[Result]:
 
 def _begin_process(share: int) -> None:
     """Runs first in each process of :func:`in_processes`."""
-    die_with_parent()
     os.environ[CORES_VARIABLE] = str(share)

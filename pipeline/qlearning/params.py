@@ -6,9 +6,9 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from pipeline.contract.params import Section
+from pipeline.contract.params import MOST_REPEATS, Section
 
-Count = Annotated[int, Field(ge=1)]
+Count = Annotated[int, Field(ge=1, le=10**9)]
 Share = Annotated[float, Field(ge=0, le=1)]
 
 
@@ -39,11 +39,11 @@ class DqnParams(Section):
     """
 
     scenes: list[str]
-    learning_rate: Annotated[float, Field(gt=0)]
+    learning_rate: Annotated[float, Field(gt=0, le=1)]
     discount: Annotated[float, Field(ge=0, lt=1)]
-    batch: Count
+    batch: Annotated[int, Field(ge=1, le=10_000)]
     exploration: Exploration
-    worlds: Annotated[int, Field(ge=16)]
+    worlds: Annotated[int, Field(ge=16, le=10_000)]
 
 
 class DqnSizes(Section):
@@ -57,7 +57,7 @@ class DqnSizes(Section):
         target_every: frames between two copies of the network to the target network.
     """
 
-    repeats: Annotated[int, Field(ge=0)]
+    repeats: Annotated[int, Field(ge=0, le=MOST_REPEATS)]
     frames: Count
     memory: Count
     frames_per_step: Count

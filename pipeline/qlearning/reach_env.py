@@ -11,8 +11,8 @@ from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.qlearning.actions import action_table
-from pipeline.sim.camera import Viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.images import Images
 from pipeline.sim.scene import Scene

@@ -59,7 +59,7 @@ def inline(figure: Figure, name: str, alt: str) -> str:
     body = text[text.index(">", text.index("<svg")) + 1 : text.rindex("</svg>")]
     body = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>|<!--.*?-->", "", body, flags=re.DOTALL)
     body = re.sub(r' style="([^"]*)"', _presentation, body)
-    body = _rename(body.replace("xlink:href", "href"), name)
+    body = _rename(body.replace("xlink:href", "href"), html.escape(name))
     for role, colour in COLOURS.items():
         body = body.replace(colour, f"var(--plot-{role})")
     body = re.sub(r"\s*\n\s*", "\n", body)
@@ -82,4 +82,4 @@ def _rename(body: str, name: str) -> str:
     """Prefixes the identifiers that are referred to and drops the rest."""
     used = set(re.findall(r'(?:url\(#|href="#)([^)"]+)', body))
     body = re.sub(r' id="([^"]*)"', lambda m: f' id="{name}-{m[1]}"' if m[1] in used else "", body)
-    return re.sub(r'(url\(#|href="#)', rf"\g<1>{name}-", body)
+    return re.sub(r'(url\(#|href="#)', lambda m: f"{m[1]}{name}-", body)

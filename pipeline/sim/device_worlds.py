@@ -15,7 +15,7 @@ import warp as wp
 from mujoco_warp import OverflowType
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.sim.camera import Viewpoint
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.device_drives import Wishes, device_drive
 from pipeline.sim.draws import Episodes
 from pipeline.sim.drives import Fields, drive

@@ -2,33 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 import numpy as np
-from pydantic import Field
 
 from pipeline.contract.machine import cores
-from pipeline.contract.params import Section
 from pipeline.contract.progress import Progress
 from pipeline.sim.draws import draw_episodes
+from pipeline.sim.params import ExplorationParams
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds
 
 # Numbers are kept to about a millionth of a radian or metre: what processors compute differently lies far
 # below, so that a newcomer's machine draws the very bytes from which the committed results come.
 _GRID = 2.0**-20
-
-
-class ExplorationParams(Section):
-    """An Ornstein-Uhlenbeck process per axis.
-
-    Attributes:
-        correlation: of an action with the one a frame before.
-        deviation: stationary standard deviation, shares of the largest displacement.
-    """
-
-    correlation: Annotated[float, Field(ge=0, lt=1)]
-    deviation: Annotated[float, Field(gt=0)]
 
 
 def correlated_actions(

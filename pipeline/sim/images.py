@@ -16,8 +16,9 @@ import numpy as np
 import warp as wp
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim import drawn, painting
-from pipeline.sim.camera import Viewpoint, camera_to_world
+from pipeline.sim.camera import camera_to_world
 from pipeline.sim.scene import CAMERA, TARGET_GROUP, Scene, initial_data
 from pipeline.sim.sight import PICTURE_SIZE
 from pipeline.sim.tracing import StillLife, Tracer

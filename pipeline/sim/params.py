@@ -9,8 +9,12 @@ from pydantic import Field, model_validator
 from pipeline.contract.params import Section
 
 Axis = Literal["x", "y", "z"]
-Vector = tuple[float, float, float]
-Positive = Annotated[float, Field(gt=0)]
+# A desk or a floor with a robot arm; what lies beyond these bounds is a slip of the keyboard.
+Metres = Annotated[float, Field(ge=-100, le=100)]
+Distance = Annotated[float, Field(ge=0, le=100)]
+Positive = Annotated[float, Field(gt=0, le=100)]
+Share = Annotated[float, Field(ge=0, le=1)]
+Vector = tuple[Metres, Metres, Metres]
 AXES: tuple[Axis, ...] = ("x", "y", "z")
 
 
@@ -40,16 +44,14 @@ class Start(Range):
     ``above_target_m``: least height above the target, or null where the tip may start below it.
     """
 
-    above_target_m: Annotated[float, Field(ge=0)] | None
+    above_target_m: Distance | None
 
 
 class Target(Section):
     """The red sphere to reach: one of the candidates, moved by up to ± jitter on each axis."""
 
     candidates_m: Annotated[tuple[Vector, ...], Field(min_length=1)]
-    jitter_m: tuple[
-        Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]
-    ]
+    jitter_m: tuple[Distance, Distance, Distance]
     radius_m: Positive
 
 
@@ -62,16 +64,16 @@ class Camera(Section):
     look_at_m: Vector
     distance_m: Positive
     fov_deg: Annotated[float, Field(gt=0, lt=170)]
-    front_deg: float
+    front_deg: Annotated[float, Field(ge=-360, le=360)]
 
 
 class Light(Section):
     """Lights that are symmetric about the vertical: one from straight above, one at the camera."""
 
-    ambient: Annotated[float, Field(ge=0, le=1)]
-    above: Annotated[float, Field(ge=0, le=1)]
-    camera: Annotated[float, Field(ge=0, le=1)]
-    background_rgb: tuple[float, float, float]
+    ambient: Share
+    above: Share
+    camera: Share
+    background_rgb: tuple[Share, Share, Share]
 
 
 class SceneParams(Section):
@@ -79,15 +81,15 @@ class SceneParams(Section):
 
     robot: str
     axes: Annotated[tuple[Axis, ...], Field(min_length=1, max_length=3)]
-    frames: Annotated[int, Field(ge=1)]
-    substeps: Annotated[int, Field(ge=1)]
-    timestep_s: Positive
-    displacement_m: Positive
+    frames: Annotated[int, Field(ge=1, le=10_000)]
+    substeps: Annotated[int, Field(ge=1, le=1000)]
+    timestep_s: Annotated[float, Field(gt=0, le=0.05)]
+    displacement_m: Annotated[float, Field(gt=0, le=1)]
     workspace: Range
     start: Start
     target: Target
     obstacles: tuple[Box, ...]
-    obstacle_clearance_m: Annotated[float, Field(ge=0)]
+    obstacle_clearance_m: Distance
     camera: Camera
     light: Light
 
@@ -110,3 +112,21 @@ class SceneParams(Section):
                         f"workspace [{self.workspace.low_m[i]}, {self.workspace.high_m[i]}] m on axis {axis}"
                     )
         return self
+
+
+class ExplorationParams(Section):
+    """Section ``rollouts``: an Ornstein-Uhlenbeck process per axis.
+
+    Attributes:
+        correlation: of an action with the one a frame before.
+        deviation: stationary standard deviation, shares of the largest displacement.
+    """
+
+    correlation: Annotated[float, Field(ge=0, lt=1)]
+    deviation: Annotated[float, Field(gt=0, le=100)]
+
+
+class RolloutSizes(Section):
+    """Section ``budgets.*.rollouts``: ``episodes`` of each repeat."""
+
+    episodes: Annotated[int, Field(ge=2, le=1_000_000)]

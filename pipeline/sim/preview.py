@@ -10,7 +10,7 @@ from PIL import Image
 from pipeline.contract import params, seeds
 from pipeline.contract.artefacts import writing
 from pipeline.contract.stage import entry
-from pipeline.sim.camera import viewpoint
+from pipeline.contract.viewpoints import viewpoint
 from pipeline.sim.images import Images
 from pipeline.sim.scene import load_scene
 from pipeline.sim.sight import PICTURE_SIZE

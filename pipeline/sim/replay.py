@@ -9,7 +9,7 @@ from PIL import Image
 
 from pipeline.contract import zarrs
 from pipeline.contract.progress import Progress
-from pipeline.sim.camera import Viewpoint
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.images import Gallery, Images, target_pixels_unhidden
 from pipeline.sim.scene import Scene
 

@@ -9,8 +9,9 @@ import numpy as np
 from mujoco import batch as mujoco_batch
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.boxes import crosses
-from pipeline.sim.camera import Viewpoint, camera_to_world
+from pipeline.sim.camera import camera_to_world
 from pipeline.sim.scene import Scene
 
 PICTURE_SIZE = 64  # pixels a side, as the world model sees it (paper II-C)

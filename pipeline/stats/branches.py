@@ -12,8 +12,8 @@ import numpy as np
 from pipeline.contract import params
 from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError, unknown
-from pipeline.contract.params import Section
 from pipeline.contract.sight import Sight, read_sight
+from pipeline.contract.viewpoints import Viewpoint, named_viewpoints
 from pipeline.stats.reading import (
     COMPARED,
     COMPARED_WITH_ANCHORS,
@@ -24,14 +24,6 @@ from pipeline.stats.reading import (
 )
 
 ANCHORS = ("no_op", "blind", "expert")
-
-
-class Branch(Section):
-    """A viewpoint as params.yaml names it; ``theta`` and ``phi`` in degrees."""
-
-    scene: str
-    theta: float
-    phi: float
 
 
 @dataclass(frozen=True)
@@ -48,7 +40,7 @@ class Results:
         made_with: how each branch's numbers were made, by key.
     """
 
-    branches: dict[str, Branch]
+    branches: dict[str, Viewpoint]
     duplicates: dict[str, list[str]]
     returns: dict[str, np.ndarray]
     sight: dict[str, Sight]
@@ -89,7 +81,7 @@ class Results:
 
 def scene_branches(
     scene: str, path: Path = params.PARAMS_FILE
-) -> tuple[dict[str, Branch], dict[str, list[str]]]:
+) -> tuple[dict[str, Viewpoint], dict[str, list[str]]]:
     """The scene's branches in params.yaml, and for each the later ones with the same viewpoint.
 
     Candidates (``viewpoints``) come before ``study`` (``viewpoint``), so a study of a candidate's
@@ -98,18 +90,16 @@ def scene_branches(
     Raises:
         BelvedereError: no branch is of this scene, or one is not valid.
     """
-    places = {key: ("viewpoints", key) for key in params.value("viewpoints", path=path) or ()}
-    named = {key: params.section(Branch, *place, path=path) for key, place in places.items()}
-    named["study"] = params.section(Branch, "viewpoint", path=path)
-    kept: dict[Branch, str] = {}
+    named = named_viewpoints(path)
+    kept: dict[tuple[str, float, float], str] = {}
     duplicates: dict[str, list[str]] = {}
     for key, branch in named.items():
         if branch.scene == scene:
-            first = kept.setdefault(branch, key)
+            first = kept.setdefault(branch.place, key)
             duplicates.setdefault(first, []).extend([key] if key != first else [])
     if not kept:
         raise unknown("scene with a viewpoint", scene, {branch.scene for branch in named.values()})
-    return {key: branch for branch, key in kept.items()}, duplicates
+    return {key: named[key] for key in kept.values()}, duplicates
 
 
 def read_results(
@@ -149,7 +139,7 @@ def read_results(
     return Results(branches, duplicates, returns, sight, dict(zip(ANCHORS, levels.T, strict=True)), made)
 
 
-def _read_branch(file: Path, key: str, branch: Branch) -> tuple[np.ndarray, dict[str, Any]]:
+def _read_branch(file: Path, key: str, branch: Viewpoint) -> tuple[np.ndarray, dict[str, Any]]:
     made_by = f"evaluation@{key}"
     content = read_json(file, made_by)
     found = tuple(content.get(name) for name in ("scene", "theta_deg", "phi_deg"))

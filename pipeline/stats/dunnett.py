@@ -1,4 +1,4 @@
-"""Dunnett's one-sided quantile, and the tail that each look of a race may spend.
+"""Dunnett's one-sided quantile.
 
 C. W. Dunnett, J. Am. Stat. Assoc. 50 (1955) 1096-1121: k - 1 differences from one mean, equally
 correlated (½), over a common standard error with ν degrees of freedom.
@@ -11,30 +11,8 @@ from functools import lru_cache
 import numpy as np
 from scipy import optimize, special, stats
 
-from pipeline.contract.errors import BelvedereError, unknown
-
-# Of each level: (most repeats of a race, one-sided tail of a look). Simulated: looks from the third repeat
-# on together err in at most 1 - level of races, with one from the second on in up to 5.5 %; fewer err less.
-TAILS = {0.95: ((20, 0.008), (40, 0.006))}
 _NODES, _MIDPOINTS = 61, 96
 _LARGEST = 1e6
-
-
-def tail(confidence: float, most: int) -> float:
-    """The tail probability of each look of a race of at most ``most`` repeats.
-
-    Raises:
-        BelvedereError: nothing is known for this level, or for so many repeats.
-    """
-    if confidence not in TAILS:
-        raise unknown("params.yaml: ranking.confidence", confidence, TAILS)
-    for repeats, probability in TAILS[confidence]:
-        if most <= repeats:
-            return probability
-    raise BelvedereError(
-        f"a race of {most} repeats is too long: its error is known for up to {TAILS[confidence][-1][0]} "
-        "only; set race.most of the budget in params.yaml to that or less."
-    )
 
 
 @lru_cache(maxsize=4096)

@@ -32,7 +32,7 @@ class Rules:
         first: repeats of every view before the first look.
         most: repeats after which it ends.
         tolerance: U at which it ends, in the values' unit.
-        probability: tail of each look (:func:`pipeline.stats.dunnett.tail`).
+        probability: tail of each look (:func:`pipeline.stats.tails.tail`).
     """
 
     first: int
@@ -112,7 +112,7 @@ def look(values: np.ndarray, entered: np.ndarray, error: Error, views: int, prob
         entered: (…, view) those compared.
         error: with the last repeat.
         views: in the race at its start.
-        probability: tail of one look (:func:`pipeline.stats.dunnett.tail`).
+        probability: tail of one look (:func:`pipeline.stats.tails.tail`).
     """
     repeats = values.shape[-1]
     means = np.where(entered, values.mean(axis=-1), np.nan)

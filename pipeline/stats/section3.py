@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.stats.blocks import mean_half_width, own_interval, two_way
-from pipeline.stats.branches import Branch, Results
+from pipeline.stats.branches import Results
 from pipeline.stats.claims import Claim, Judgement, held
 from pipeline.stats.dqn import DqnResults
 from pipeline.stats.factorial import Effect, Factorial, factorial, find_grid
@@ -93,7 +94,7 @@ def _two_judges(
 
 
 def _on_grid(
-    branches: Mapping[str, Branch], scores: Mapping[str, np.ndarray], params: RankingParams
+    branches: Mapping[str, Viewpoint], scores: Mapping[str, np.ndarray], params: RankingParams
 ) -> _Found | None:
     """The effects over the grid's common repeats; views beside the grid play no part."""
     grid = find_grid([b.theta for b in branches.values()], [b.phi for b in branches.values()])

@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.baselines.motion import image_jacobian, singular_values
 from pipeline.contract import params
-from pipeline.sim.camera import viewpoint
+from pipeline.contract.viewpoints import viewpoint
 from pipeline.sim.images import Images
 from pipeline.sim.scene import initial_data, load_scene
 from pipeline.sim.sight import to_pixels

@@ -7,10 +7,10 @@ from dataclasses import replace
 import pytest
 import torch
 
+from pipeline.contract.viewpoints import viewpoint
 from pipeline.control.jobs import Networks
 from pipeline.control.loop import Loop, Workers
 from pipeline.learning.device import Compute
-from pipeline.sim.camera import viewpoint
 from pipeline.sim.scene import Scene, load_scene
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.mdnrnn import MdnRnn

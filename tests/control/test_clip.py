@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from pipeline.contract.viewpoints import viewpoint
 from pipeline.control.anchors import expert, play
 from pipeline.control.clip import write_clip
-from pipeline.sim.camera import viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds

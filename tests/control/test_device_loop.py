@@ -9,13 +9,13 @@ import pytest
 import torch
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.viewpoints import viewpoint
 from pipeline.control import loops
 from pipeline.control.device_loop import DeviceLoop
 from pipeline.control.jobs import Job
 from pipeline.control.loop import Trace
 from pipeline.control.loops import HostLoops, closed_loops
 from pipeline.control.policy import parameters
-from pipeline.sim.camera import viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene, load_scene
 from tests.control.conftest import untrained

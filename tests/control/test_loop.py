@@ -7,9 +7,9 @@ import torch
 from torch import nn
 
 from pipeline.contract.stage import WORKER
+from pipeline.contract.viewpoints import viewpoint
 from pipeline.control.loop import SHARD, Loop, Workers
 from pipeline.control.policy import Controllers, parameters
-from pipeline.sim.camera import viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.images import Images
 from pipeline.sim.scene import Scene

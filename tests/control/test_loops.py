@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import torch
 
+from pipeline.contract.viewpoints import viewpoint
 from pipeline.control.jobs import Job, Networks
 from pipeline.control.loop import Loop, Workers
 from pipeline.control.loops import HostLoops, closed_loops, judge
 from pipeline.control.policy import Controllers, parameters
-from pipeline.sim.camera import viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene
 

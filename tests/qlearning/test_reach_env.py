@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from stable_baselines3.common.env_checker import check_env
 
+from pipeline.contract.viewpoints import viewpoint
 from pipeline.qlearning.actions import action_table
 from pipeline.qlearning.reach_env import ReachEnv, dqn_reward
-from pipeline.sim.camera import viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.images import Images
 from pipeline.sim.scene import load_scene

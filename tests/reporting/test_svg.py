@@ -46,5 +46,10 @@ def test_two_figures_share_no_identifier_and_refer_to_their_own() -> None:
     assert not found["one"] & found["two"]
 
 
+def test_a_name_makes_no_element() -> None:
+    svg = _drawn('x"><img src=x onerror="y')
+    assert "img" not in {element.tag for element in ElementTree.fromstring(svg).iter()}
+
+
 def test_same_figure_gives_the_same_bytes() -> None:
     assert _drawn("one") == _drawn("one")

@@ -116,10 +116,12 @@ def test_jobs_that_come_of_others_run_and_those_of_a_lower_place_first(place: Pa
     assert [name for what, name in calls(place) if what == "begin"] == ["a", "b", "a", "c", "later"]
 
 
-def test_a_job_does_not_wait_for_one_of_a_higher_place_and_is_less_nice(place: Path) -> None:
+def test_a_job_does_not_wait_for_one_of_a_higher_place_and_is_less_nice(
+    place: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     made(place, 2).run([job("a"), job("b", "a"), job("c", "a"), job("slow", place=1), job("last", place=1)])
-    order = calls(place)
-    assert order.index(("begin", "slow")) < order.index(("end", "a"))  # it filled the gap
+    order, told = calls(place), capsys.readouterr().out
+    assert told.index("slow: begun") < told.index("a: done")  # it filled the gap
     assert order.index(("begin", "c")) < order.index(("end", "slow"))
     assert order.index(("end", "c")) < order.index(("begin", "last"))  # which takes no third slot
     lines = (place / "niceness").read_text().split()

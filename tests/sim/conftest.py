@@ -7,7 +7,7 @@ from functools import cache
 import pytest
 
 from pipeline.contract import params
-from pipeline.sim.camera import Viewpoint
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.scene import Scene, load_scene
 
 SCENES = tuple(params.value("scenes"))

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.sim.camera import Viewpoint, camera_to_world, viewpoint
+from pipeline.contract.viewpoints import Viewpoint, viewpoint
+from pipeline.sim.camera import camera_to_world
 from pipeline.sim.images import model_seen_from
 from pipeline.sim.scene import CAMERA, Scene, load_scene
 from pipeline.sim.sight import to_pixels

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.sim.exploration import ExplorationParams, correlated_actions
+from pipeline.sim.exploration import correlated_actions
+from pipeline.sim.params import ExplorationParams
 
 
 def test_autocorrelation_and_deviation_are_the_processs() -> None:

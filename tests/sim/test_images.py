@@ -13,7 +13,7 @@ import pytest
 import warp as wp
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.sim.camera import Viewpoint
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.drawn import still
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.images import Gallery, Images, model_seen_from, target_pixels_unhidden

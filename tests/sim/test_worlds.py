@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.sim.camera import Viewpoint
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.drives import wished_place
 from pipeline.sim.images import Images

@@ -12,7 +12,8 @@ from pipeline import geometry
 from pipeline.contract import params, zarrs
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.progress import Progress
-from pipeline.sim.exploration import ExplorationParams, roll
+from pipeline.sim.exploration import roll
+from pipeline.sim.params import ExplorationParams
 from pipeline.sim.scene import load_scene
 
 

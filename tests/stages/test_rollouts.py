@@ -7,7 +7,8 @@ import numpy as np
 
 from pipeline.contract import params
 from pipeline.contract.progress import Progress
-from pipeline.sim.exploration import ExplorationParams, roll
+from pipeline.sim.exploration import roll
+from pipeline.sim.params import ExplorationParams
 from pipeline.sim.scene import load_scene
 
 GRID = 2.0**-20

@@ -12,7 +12,7 @@ import numpy as np
 import yaml
 
 from pipeline.contract import zarrs
-from pipeline.sim.camera import Viewpoint
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.images import Images, target_pixels_unhidden
 from pipeline.sim.scene import load_scene

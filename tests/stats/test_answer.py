@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from pipeline.contract.sight import Sight
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.stats.answer import Answer, answer, race_part
-from pipeline.stats.branches import Branch, Results
+from pipeline.stats.branches import Results
 from pipeline.stats.race import Rules
 from pipeline.stats.ranks import Ranked, rank
 from pipeline.stats.replay import Race, replay
@@ -21,7 +22,7 @@ def results(scores: list[np.ndarray], unseen: str = "") -> Results:
     """Views a, b, c, … at pans 0°, 10°, 20°, … of scene `desk`; target-blind at -10, expert at 0."""
     keys = [f"desk-{letter}" for letter in "abcdef"[: len(scores)]]
     return Results(
-        branches={key: Branch(scene="desk", theta=10.0 * i, phi=5.0) for i, key in enumerate(keys)},
+        branches={key: Viewpoint(scene="desk", theta=10.0 * i, phi=5.0) for i, key in enumerate(keys)},
         duplicates={key: [] for key in keys},
         returns={key: 10 * np.asarray(own) - 10 for key, own in zip(keys, scores, strict=True)},
         sight={key: Sight(0.1, 0.2, ["tip"] if key[-1] in unseen else []) for key in keys},

@@ -10,9 +10,9 @@ import pytest
 
 from benchmarks.coverage import RULES, SITUATIONS, VIEWS, row
 from pipeline.stats.coverage import POPULATIONS, draw, normal, run
-from pipeline.stats.dunnett import tail
 from pipeline.stats.race import Rules
 from pipeline.stats.replay import replay
+from pipeline.stats.tails import tail
 
 ROOT = Path(__file__).resolve().parents[2]
 UNTIL_THE_END = 0.0  # a tolerance that no race meets while two views are left

@@ -7,7 +7,8 @@ import pytest
 from scipy import stats
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.stats.dunnett import TAILS, quantile, tail
+from pipeline.stats.dunnett import quantile
+from pipeline.stats.tails import TAILS, tail
 
 
 @pytest.mark.parametrize(

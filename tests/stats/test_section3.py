@@ -10,7 +10,8 @@ import pytest
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.sight import Sight
-from pipeline.stats.branches import Branch, Results
+from pipeline.contract.viewpoints import Viewpoint
+from pipeline.stats.branches import Results
 from pipeline.stats.claims import Claim
 from pipeline.stats.dqn import DqnResults, read_dqn
 from pipeline.stats.params import RankingParams
@@ -42,7 +43,7 @@ def returns(effect_of_phi: float, level: float, repeats: int, seed: int) -> np.n
 
 def results(values: np.ndarray, unseen: str = "") -> Results:
     """Anchors of 3 repeats; the judge cannot see at the view of key ``unseen``."""
-    branches = {k: Branch(scene="reach", theta=t, phi=p) for k, (t, p) in zip(KEYS, ANGLES, strict=True)}
+    branches = {k: Viewpoint(scene="reach", theta=t, phi=p) for k, (t, p) in zip(KEYS, ANGLES, strict=True)}
     anchors = {n: np.full(3, v) for n, v in {"no_op": -11.0, "blind": -10.0, "expert": 0.0}.items()}
     sight = {key: Sight(0.19, 0.2, ["tip"]) if key == unseen else SEEN for key in KEYS}
     returned = dict(zip(KEYS, values, strict=True))
@@ -78,7 +79,7 @@ def test_the_grids_common_repeats_are_what_is_compared() -> None:
     few = returns(3.0, -6.0, 3, 1)
     whole, ragged = results(few), results(few)
     ragged.returns[KEYS[0]] = np.append(few[0], -9.0)
-    ragged.branches["study"] = Branch(scene="reach", theta=20, phi=37)
+    ragged.branches["study"] = Viewpoint(scene="reach", theta=20, phi=37)
     ragged.returns["study"], ragged.sight["study"] = np.array([-1.0, -2.0]), Sight(0.19, 0.2, ["tip"])
     expected, found = (comparison(each, None, CLAIMS, METHOD) for each in (whole, ragged))
     assert found == expected
