@@ -10,11 +10,13 @@ import subprocess
 import time
 from pathlib import Path
 
+import numpy as np
 import polars as pl
 import psutil
 import pytest
 import yaml
 
+from runner.lock import check_lock
 from tests.support import Clone, clone_repository, ran
 
 BRANCHES = {"study", "panda_2dof-a", "panda_2dof-b"}
@@ -157,7 +159,7 @@ def test_side_by_side_and_one_by_one_give_the_same_results(clone: Clone, tmp_pat
 
 @pytest.mark.slow
 def test_a_run_that_is_killed_in_any_round_ends_with_the_same_results(clone: Clone, tmp_path: Path) -> None:
-    """In the first round, in a later one, and while a scene is ranked."""
+    """In each kind of stage of the first round, in a later one, and while a scene is ranked."""
     undisturbed = clone_repository(tmp_path / "undisturbed")
     for each in (clone, undisturbed):
         each.lend_environment()
@@ -165,7 +167,12 @@ def test_a_run_that_is_killed_in_any_round_ends_with_the_same_results(clone: Clo
         # a tolerance that no two repeats reach, so that there is a second round
         edit(each, "params.yaml", "  tolerance: 0.05 ", "  tolerance: 0.0001 ")
     undisturbed.run("./run", "panda_2dof", timeout_s=1800)
-    for sign in (".scratch/vae/*/results", "models/vae/*/repeat_2.pt", "reports/rankings/panda_2dof.json"):
+    first = [
+        ".scratch/logs/anchors@*",
+        *(f".scratch/{name}/*" for name in ("mdnrnn", "controller", "evaluation")),
+    ]
+    later = ["models/vae/*/repeat_2.pt", "reports/rankings/panda_2dof.json"]
+    for sign in (".scratch/vae/*/results", *first, *later):
         kill_run(clone, sign)
     clone.run("./run", "panda_2dof", timeout_s=1800)
     assert tracked_hashes(clone) == tracked_hashes(undisturbed)
@@ -173,17 +180,50 @@ def test_a_run_that_is_killed_in_any_round_ends_with_the_same_results(clone: Clo
         assert (clone.root / name).read_bytes() == (undisturbed.root / name).read_bytes()
 
 
-def kill_run(clone: Clone, sign: str) -> None:
-    """Starts `./run` and ends it and all that it started with -9 as soon as a path of that form is there."""
-    process = subprocess.Popen(
-        ["./run", "panda_2dof"],
+@pytest.mark.slow
+def test_ctrl_c_at_twenty_moments_ends_with_the_same_results(clone: Clone, tmp_path: Path) -> None:
+    undisturbed = clone_repository(tmp_path / "undisturbed")
+    for each in (clone, undisturbed):
+        each.lend_environment()
+        set_param(each, budget="tiny", sight_share=0.99)
+    undisturbed.run("./run", "panda_1dof", timeout_s=1800)
+    moments = np.random.default_rng(7)
+    for moment in range(20):
+        process = start_run(clone, "panda_1dof")
+        if moment % 4:  # long enough to get on, short enough to be met in every stage
+            time.sleep(moments.uniform(1.0, 12.0))
+        else:  # while dvc.lock is written
+            wait_for(process, clone, ".dvc.lock.*.part")
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGINT)
+        assert process.wait(timeout=60) in (0, 130), moment
+        check_lock(clone.root / "dvc.lock")
+    clone.run("./run", "panda_1dof", timeout_s=1800)
+    assert tracked_hashes(clone) == tracked_hashes(undisturbed)
+
+
+def start_run(clone: Clone, scene: str) -> subprocess.Popen[bytes]:
+    """Starts `./run` for a scene, as the leader of a group of processes, as a terminal does."""
+    return subprocess.Popen(
+        ["./run", scene],
         cwd=clone.root,
         env=clone._environment(),
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
+        start_new_session=True,
     )
+
+
+def wait_for(process: subprocess.Popen[bytes], clone: Clone, sign: str) -> None:
+    """Waits until there is a path of that form, or the process has ended."""
     while process.poll() is None and not list(clone.root.glob(sign)):
-        time.sleep(0.05)
+        time.sleep(0.001)
+
+
+def kill_run(clone: Clone, sign: str) -> None:
+    """Starts `./run` and ends it and all that it started with -9 as soon as a path of that form is there."""
+    process = start_run(clone, "panda_2dof")
+    wait_for(process, clone, sign)
     assert process.poll() is None, f"./run ended before there was {sign}"
     family = [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]
     for member in family:

@@ -35,6 +35,14 @@ def test_pose_is_rigid_and_looks_at_the_point(scene: Scene, theta: float, phi: f
     assert math.degrees(math.asin(rotation[2, 2])) == pytest.approx(phi)
 
 
+@pytest.mark.parametrize("theta", [0, 45, 90, 360])
+def test_a_full_turn_is_the_same_viewpoint(scene: Scene, theta: float) -> None:
+    views = [viewpoint(scene.name, each, 30) for each in (theta, theta - 360)]
+    assert views[0].place == views[1].place
+    for one, other in zip(*(camera_to_world(scene.params.camera, each) for each in views), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-12)
+
+
 def test_mujoco_places_its_camera_where_we_say(view: Viewpoint) -> None:
     scene = load_scene(view.scene)
     model = model_seen_from(scene, view)

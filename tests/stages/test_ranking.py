@@ -171,9 +171,10 @@ def test_the_same_results_give_the_same_bytes(written: Written) -> None:
     assert before == [Path(f"out/reach.{kind}").read_bytes() for kind in ("json", "csv")]
 
 
-def test_a_viewpoint_named_twice_is_ranked_once(written: Written) -> None:
+@pytest.mark.parametrize("theta_deg", [90.0, -270.0])
+def test_a_viewpoint_named_twice_is_ranked_once(written: Written, theta_deg: float) -> None:
     before = written.rank()
-    written.branch("study", RETURNS["reach-b"], 90.0, -0.0)
+    written.branch("study", RETURNS["reach-b"], theta_deg, -0.0)
     written.branch("reach-z", RETURNS["study"], 45, 15)
     written.write_params()
     content = written.rank()
@@ -192,7 +193,7 @@ def test_a_removed_viewpoint_disappears_though_its_file_stays(written: Written) 
 @pytest.mark.parametrize(
     ("place", "value", "message"),
     [
-        (("ranking", "confidence"), 0.9, r"ranking\.confidence '0\.9' is unknown; available: 0\.95"),
+        (("ranking", "confidence"), 0.9, r"ranking\.confidence = 0\.9 is not valid: .* known for 0\.95 only"),
         (("budgets", "few", "race", "first"), 2, r"it has 3 repeats, but the budget's race\.first is 2"),
         (("budgets", "few", "race", "first"), 1, "greater than or equal to 2"),
         (("budgets", "few", "race", "most"), 41, "less than or equal to 40"),
