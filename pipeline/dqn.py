@@ -21,7 +21,7 @@ from pipeline.learning.device import compute
 from pipeline.learning.side_by_side import in_processes
 from pipeline.qlearning.actions import best_restricted_expert
 from pipeline.qlearning.judge import fit, memory_bytes
-from pipeline.qlearning.params import DqnParams, DqnSizes
+from pipeline.qlearning.params import DqnParams, DqnSizes, dqn_sizes
 from pipeline.qlearning.reach_env import ReachEnv
 from pipeline.qlearning.tables import CURVE, EPISODES, joined
 from pipeline.qlearning.trial import tried
@@ -36,7 +36,8 @@ def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metric
     """Writes every evaluation episode's outcome, the curves and the means; empty where none is trained."""
     compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
     refuse_hidden_targets(compiled, view)
-    method, sizes = params.section(DqnParams, "dqn"), params.budget_section(DqnSizes, "dqn")
+    method = params.section(DqnParams, "dqn")
+    sizes = dqn_sizes(method, scene)
     make = partial(train_repeat, compiled, view, method, sizes)
     results = in_processes(make, sizes.repeats if scene in method.scenes else 0)
     episodes = joined((r / "episodes.parquet" for r in results), EPISODES)
@@ -55,7 +56,7 @@ def train_repeat(scene: Scene, view: Viewpoint, method: DqnParams, sizes: DqnSiz
     place = compute()
 
     def make(results: Path, running: Path) -> None:
-        draws = seeds.generator(seed, repeat, Stream.DQN)
+        draws = seeds.generator(seed, repeat, Stream.DQN_EPISODES)
         expert = best_restricted_expert(scene, draw_episodes(scene, count, draws), cores())
         env = ReachEnv(scene, view, method.worlds, draws, cores())
         network_seed = seeds.integer(seed, repeat, Stream.DQN)

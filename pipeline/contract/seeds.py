@@ -23,6 +23,7 @@ class Stream(IntEnum):
     EVALUATION_EPISODES = 7
     BLIND = 8
     DQN = 9
+    DQN_EPISODES = 10
 
 
 def sequence(seed: int, repeat: int, stream: Stream) -> np.random.SeedSequence:

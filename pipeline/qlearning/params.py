@@ -6,6 +6,8 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
+from pipeline.contract import params
+from pipeline.contract.errors import BelvedereError
 from pipeline.contract.params import MOST_REPEATS, Section
 
 Count = Annotated[int, Field(ge=1, le=10**9)]
@@ -68,3 +70,27 @@ class DqnSizes(Section):
         if self.memory > self.frames:
             raise ValueError(f"memory {self.memory} is more than the {self.frames} frames there are")
         return self
+
+
+def dqn_sizes(method: DqnParams, scene: str) -> DqnSizes:
+    """The chosen budget's sizes in a scene.
+
+    Raises:
+        BelvedereError: a size is not valid, or not with so many worlds that act at a time.
+    """
+    sizes = params.budget_section(DqnSizes, "dqn", scene)
+    worlds = method.worlds
+    for name in ("frames", "memory", "target_every"):
+        if getattr(sizes, name) % worlds:
+            raise _does_not_fit(name, sizes, worlds, f"a multiple of {worlds}")
+    if worlds % sizes.frames_per_step:
+        raise _does_not_fit("frames_per_step", sizes, worlds, f"a divisor of {worlds}")
+    return sizes
+
+
+def _does_not_fit(name: str, sizes: DqnSizes, worlds: int, valid: str) -> BelvedereError:
+    """stable-baselines3 would round the size without a word, as it counts calls, each of all worlds."""
+    return BelvedereError(
+        f"{params.PARAMS_FILE}: budgets.{params.budget()}.dqn.{name} = {getattr(sizes, name)} is not valid "
+        f"where dqn.worlds = {worlds} act at a time: it has to be {valid}."
+    )

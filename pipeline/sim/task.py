@@ -92,9 +92,10 @@ class Reach(control.Task):
 
 
 def environment(scene: Scene, rng: np.random.Generator) -> control.Environment:
-    """The scene as a dm_control environment: 50 frames an episode, 25 a second, never ends early."""
+    """The scene as a dm_control environment: an episode has the scene's frames and never ends early."""
     physics = Physics.from_model(wrapper.MjModel(scene.model))
     physics.scene = scene
     frame_s = scene.params.substeps * scene.params.timestep_s
     settings: dict[str, Any] = {"n_sub_steps": scene.params.substeps, "legacy_step": False}
-    return control.Environment(physics, Reach(scene, rng), time_limit=scene.frames * frame_s, **settings)
+    limit_s = (scene.frames - 0.5) * frame_s  # dm_control counts frames in floats and rounds them up
+    return control.Environment(physics, Reach(scene, rng), time_limit=limit_s, **settings)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import ast
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from pipeline.contract.seeds import Stream, generator, integer, sequence
 
+PIPELINE = Path(__file__).resolve().parents[2] / "pipeline"
 ALL = list(itertools.product((0, 1), range(4), Stream))
 
 
@@ -54,4 +57,18 @@ def test_the_numbers_of_the_streams_are_part_of_the_data() -> None:
         "EVALUATION_EPISODES": 7,
         "BLIND": 8,
         "DQN": 9,
+        "DQN_EPISODES": 10,
     }
+
+
+@pytest.mark.parametrize("stream", Stream)
+def test_a_stream_has_one_purpose(stream: Stream) -> None:
+    """One place in the product draws from it; the preview shows the first of the rollouts themselves."""
+    sources = [file for file in PIPELINE.rglob("*.py") if file.name != "preview.py"]
+    places = [
+        f"{file.relative_to(PIPELINE)}:{node.lineno}"
+        for file in sources
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Attribute) and ast.unparse(node).endswith(f"Stream.{stream.name}")
+    ]
+    assert len(places) == 1, places

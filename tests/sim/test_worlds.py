@@ -56,6 +56,19 @@ def test_batch_and_dm_control_agree_to_the_bit(scene: Scene) -> None:
         np.testing.assert_array_equal(first, second)
 
 
+@pytest.mark.parametrize(
+    ("frames", "substeps", "timestep_s"), [(3, 5, 0.005), (7, 20, 0.002), (50, 20, 0.002)]
+)
+def test_dm_controls_episode_has_the_scenes_frames(frames: int, substeps: int, timestep_s: float) -> None:
+    """3 · (5 · 0.005) is more than 3 · 5 · 0.005 in floats."""
+    own = compiled("panda_2dof").params
+    sizes = {"frames": frames, "substeps": substeps, "timestep_s": timestep_s}
+    env = environment(compile_scene("other", own.model_copy(update=sizes)), np.random.default_rng(0))
+    env.reset()
+    still = np.zeros(2)
+    assert [env.step(still).last() for _ in range(frames)] == [False] * (frames - 1) + [True]
+
+
 def test_thread_count_and_batch_size_change_no_bit(scene: Scene) -> None:
     episodes, actions = drawn(scene, 1, 5)
     one, two = run(Worlds(scene, 5, 1), episodes, actions), run(Worlds(scene, 5, 2), episodes, actions)

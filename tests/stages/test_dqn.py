@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,13 @@ import numpy as np
 import polars as pl
 import pytest
 import yaml
+from stable_baselines3 import DQN
 
 from pipeline import dqn
+from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError
 from pipeline.qlearning import judge
+from pipeline.qlearning.params import DqnParams, dqn_sizes
 
 ROOT = Path(__file__).resolve().parents[2]
 OUTS = {"out": Path("e.parquet"), "curve": Path("curve.csv"), "metrics": Path("dqn.json")}
@@ -21,13 +25,17 @@ VIEW = {"scene": "panda_1dof", "theta": 60.0, "phi": 30.0}
 FRAMES, WORLDS = 6, 16
 
 
-def write_params(folder: Path, repeats: int, **method: Any) -> None:
+def write_params(folder: Path, repeats: int, changed: Mapping[str, int] | None = None, **method: Any) -> None:
+    """The repository's params.yaml with short trainings; ``changed`` are sizes, ``method`` section dqn's."""
     tree = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
     tree["scenes"]["panda_1dof"]["frames"] = FRAMES
     tree["dqn"] |= {"scenes": ["panda_1dof"], "worlds": WORLDS, **method}
     sizes = {"frames": 4 * WORLDS * FRAMES, "memory": 128, "frames_per_step": 8, "target_every": 64}
     tree["budget"] = "short"
-    tree["budgets"]["short"] = {"dqn": {"repeats": repeats, **sizes}, "evaluation": {"episodes": 4}}
+    tree["budgets"]["short"] = {
+        "dqn": {"repeats": repeats, **sizes, **(changed or {})},
+        "evaluation": {"episodes": 4},
+    }
     (folder / "params.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8")
 
 
@@ -88,3 +96,42 @@ def test_bad_parameters_are_named(workplace: Path, method: dict[str, Any], named
     with pytest.raises(BelvedereError, match=named):
         dqn.main(**VIEW, **OUTS)
     assert not OUTS["out"].exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "valid"),
+    [
+        ("frames_per_step", 5, "a divisor of 16"),
+        ("frames_per_step", 32, "a divisor of 16"),
+        ("frames", 4 * WORLDS * FRAMES + 1, "a multiple of 16"),
+        ("memory", 120, "a multiple of 16"),
+        ("target_every", 100, "a multiple of 16"),
+    ],
+)
+def test_a_size_that_the_library_would_round_is_refused(
+    workplace: Path, name: str, value: int, valid: str
+) -> None:
+    write_params(workplace, repeats=1, changed={name: value})
+    with pytest.raises(BelvedereError, match=rf"short\.dqn\.{name} = {value} .* {valid}"):
+        dqn.main(**VIEW, **OUTS)
+    assert not OUTS["out"].exists()
+
+
+@pytest.mark.parametrize("frames_per_step", [4, 16])
+def test_there_are_as_many_gradient_steps_as_the_sizes_say(
+    workplace: Path, monkeypatch: pytest.MonkeyPatch, frames_per_step: int
+) -> None:
+    write_params(workplace, repeats=1, changed={"frames_per_step": frames_per_step})
+    taken: list[int] = []
+    monkeypatch.setattr(DQN, "train", lambda self, gradient_steps, batch_size: taken.append(gradient_steps))
+    dqn.main(**VIEW, **OUTS)
+    learning = 4 * WORLDS * FRAMES - WORLDS * FRAMES  # the first episodes only fill the memory
+    assert sum(taken) * frames_per_step == learning
+
+
+@pytest.mark.parametrize("budget", yaml.safe_load((ROOT / "params.yaml").read_text())["budgets"])
+def test_the_sizes_of_every_budget_are_kept(workplace: Path, budget: str) -> None:
+    tree = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
+    (workplace / "params.yaml").write_text(yaml.safe_dump(tree | {"budget": budget}), encoding="utf-8")
+    for scene in tree["scenes"]:
+        assert dqn_sizes(params.section(DqnParams, "dqn"), scene).memory
