@@ -16,6 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+_ROUNDING = 8 * np.finfo(float).eps
+
 
 @dataclass(frozen=True)
 class Error:
@@ -34,7 +36,7 @@ class TwoWay:
         repeats: number of repeats.
         within: a repeat's spread within its view, pooled over the views; ``None`` with one repeat.
         residual: what is left of it once the repeat's own shift is taken out; ``None`` with one
-            repeat or one view.
+            repeat or one view, exactly 0 where views differ by the same in every repeat.
     """
 
     means: np.ndarray
@@ -63,7 +65,9 @@ def two_way(values: np.ndarray) -> TwoWay:
     ms_repeat = views * float(np.sum(shifts**2)) / df_repeat
     if views == 1:
         return TwoWay(means, repeats, Error(ms_repeat**0.5, df_repeat), None)
-    ms_residual = float(np.sum((values - means[:, None] - shifts) ** 2)) / df_residual
+    residuals = values - means[:, None] - shifts
+    residuals[np.abs(residuals) < _ROUNDING * np.abs(values).max()] = 0.0  # nothing may be divided by it
+    ms_residual = float(np.sum(residuals**2)) / df_residual
     parts = np.array([ms_repeat / views, (views - 1) * ms_residual / views])
     variance = float(parts.sum())
     spread = float(np.sum((parts / (variance or 1.0)) ** 2 / [df_repeat, df_residual]))

@@ -20,6 +20,7 @@ import numpy as np
 from scipy import stats
 
 from pipeline.stats.blocks import two_way
+from pipeline.stats.f_tests import FTest, f_test
 
 DIFFERS = "differs"
 NO_DIFFERENCE = "no difference"
@@ -38,16 +39,6 @@ class Grid:
 
     levels: dict[str, list[float]]
     views: np.ndarray
-
-
-@dataclass(frozen=True)
-class FTest:
-    """An F test: numerator and denominator degrees of freedom, statistic and p-value."""
-
-    df: float
-    df_error: float
-    f: float
-    p: float
 
 
 @dataclass(frozen=True)
@@ -91,7 +82,8 @@ class Factorial:
     Attributes:
         df_error: degrees of freedom of the error.
         margin: differences within ± this are none.
-        tests: by ``theta``, ``phi`` (those with more than one level) and ``interaction`` (with both).
+        tests: by ``theta``, ``phi`` (those with more than one level) and ``interaction`` (with both); none
+            where the error is 0, which no mean square can be held against.
         effects: all pairs of levels, factor by factor.
     """
 
@@ -134,29 +126,31 @@ def factorial(values: np.ndarray, grid: Grid, confidence: float, margin: float) 
     fit = two_way(cells.reshape(-1, cells.shape[2]))
     if fit.residual is None:
         return None
-    variance, df, repeats = fit.residual.sd**2, fit.residual.df, cells.shape[2]
-    tests, effects = {}, []
-    for axis, factor in enumerate(("theta", "phi")):
-        means = cells.mean(axis=(1 - axis, 2))
-        if len(means) > 1:
-            each = repeats * cells.shape[1 - axis]  # values behind a level's mean
-            tests[factor] = _f_test(
-                each * float(((means - means.mean()) ** 2).sum()), len(means) - 1, variance, df
-            )
-            effects += _pairs(
-                factor, grid.levels[factor], means, (2 * variance / each) ** 0.5, df, confidence, margin
-            )
+    variance, df = fit.residual.sd**2, fit.residual.df
+    effects = []
+    for factor, (means, each) in _factors(cells).items():
+        se = (2 * variance / each) ** 0.5
+        effects += _pairs(factor, grid.levels[factor], means, se, df, confidence, margin)
+    return Factorial(df, margin, _f_tests(cells, variance, df) if variance else {}, effects)
+
+
+def _factors(cells: np.ndarray) -> dict[str, tuple[np.ndarray, int]]:
+    """Of each factor that varies in cells (θ, φ, repeat): its levels' means, and the values behind each."""
+    means = {factor: cells.mean(axis=(1 - axis, 2)) for axis, factor in enumerate(("theta", "phi"))}
+    return {factor: (own, cells.size // len(own)) for factor, own in means.items() if len(own) > 1}
+
+
+def _f_tests(cells: np.ndarray, variance: float, df: float) -> dict[str, FTest]:
+    """The tests of cells (θ, φ, repeat) against an error's ``variance``, which is not 0."""
+    tests = {}
+    for factor, (means, each) in _factors(cells).items():
+        tests[factor] = f_test(each * float(means.var(ddof=1)), len(means) - 1, variance, df)
     if len(tests) == 2:
         over = cells.mean(axis=2)
         left = over - over.mean(1, keepdims=True) - over.mean(0, keepdims=True) + over.mean()
         free = (over.shape[0] - 1) * (over.shape[1] - 1)
-        tests["interaction"] = _f_test(repeats * float((left**2).sum()), free, variance, df)
-    return Factorial(df, margin, tests, effects)
-
-
-def _f_test(squares: float, df: int, variance: float, df_error: float) -> FTest:
-    f = squares / df / variance if variance else float("inf")
-    return FTest(df, df_error, f, float(stats.f.sf(f, df, df_error)))
+        tests["interaction"] = f_test(cells.shape[2] * float((left**2).sum()) / free, free, variance, df)
+    return tests
 
 
 def _pairs(

@@ -17,7 +17,8 @@ import numpy as np
 from scipy import stats
 
 from pipeline.stats.blocks import two_way
-from pipeline.stats.factorial import Difference, Effect, Factorial, FTest
+from pipeline.stats.f_tests import FTest, f_test
+from pipeline.stats.factorial import Difference, Effect, Factorial
 
 
 @dataclass(frozen=True)
@@ -43,17 +44,18 @@ def judge_by_view(first: np.ndarray, second: np.ndarray) -> FTest | None:
         second: the same views of the other; repeats may differ in number.
 
     Returns:
-        The test, or ``None`` where one judge or view tells no error.
+        The test, or ``None`` where one judge or view tells no error, or both judges' error is 0.
     """
     fits = [two_way(first), two_way(second)]
     if any(fit.residual is None for fit in fits):
         return None
     parts = np.array([fit.residual.sd**2 / fit.repeats for fit in fits if fit.residual])
     free = np.array([fit.residual.df for fit in fits if fit.residual])
+    if not parts.any():
+        return None
     gaps = fits[0].means - fits[1].means
     df, df_error = len(gaps) - 1, _satterthwaite(parts, free)
-    f = float(gaps.var(ddof=1) / parts.sum())
-    return FTest(df, df_error, f, float(stats.f.sf(f, df, df_error)))
+    return f_test(float(gaps.var(ddof=1)), df, float(parts.sum()), df_error)
 
 
 def effects_by_judge(first: Factorial, second: Factorial, confidence: float) -> list[EffectByJudge]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pipeline.contract.artefacts import write_json
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.sight import Sight
 from pipeline.contract.viewpoints import Viewpoint
@@ -95,6 +96,35 @@ def test_networks_that_learned_nothing_are_no_judges() -> None:
     dqn = DqnResults(KEYS, returns(0.0, -10.5, 3, 2), np.full(3, -1.0))
     content = comparison(results(returns(3.0, -6.0, 4, 1)), dqn, CLAIMS, METHOD)
     assert outcomes(content) == ["agrees", "not above blind", "not above blind"]
+
+
+@pytest.mark.parametrize("repeats", [1, 2, 5, 9])
+def test_networks_may_have_any_number_of_repeats(repeats: int) -> None:
+    """More than the world model's 4 and the anchors' 3, or fewer."""
+    dqn = DqnResults(KEYS, returns(3.0, -5.0, repeats, 2), np.full(repeats, -1.0))
+    content = comparison(results(returns(3.0, -6.0, 4, 1)), dqn, CLAIMS, METHOD)
+    assert content["dqn"]["repeats"] == repeats
+    view = content["dqn"]["viewpoints"]["reach-b"]
+    assert view["return_mean"] == pytest.approx(dqn.returns[1].mean())
+    assert (content["judges"] is None) == (repeats == 1)
+
+
+@pytest.mark.parametrize("shifts", [(0.0, 0.0, 0.0), (0.1, 0.2, 0.7)])
+@pytest.mark.parametrize("both", [False, True])
+def test_judges_whose_repeats_leave_no_error_are_not_tested(
+    tmp_path: Path, shifts: tuple[float, ...], both: bool
+) -> None:
+    """A network that does the same from every view: its differences are 0, and no number is infinite."""
+    same = np.tile(-5.0 + np.array(shifts), (6, 1))
+    dqn = DqnResults(KEYS, same, np.full(3, -1.0))
+    ours = same if both else returns(3.0, -6.0, 3, 1)
+    with np.errstate(all="raise"):
+        content = comparison(results(ours), dqn, CLAIMS, METHOD)
+    assert content["dqn"]["factorial"]["tests"] == {}
+    assert all(effect["difference"] == 0 for effect in content["dqn"]["factorial"]["effects"])
+    assert all(effect["word"] == "no difference" for effect in content["dqn"]["factorial"]["effects"])
+    assert (content["judges"]["test"] is None) == both
+    write_json(tmp_path / "ranking.json", content)
 
 
 def write(folder: Path, key: str, rows: list[dict]) -> None:
