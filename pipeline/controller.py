@@ -14,6 +14,7 @@ from pipeline.contract import params, scratch, zarrs
 from pipeline.contract.artefacts import writing
 from pipeline.contract.machine import cores
 from pipeline.contract.repeats import Place, code_digest, finished_together
+from pipeline.contract.split import split_episodes
 from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.first import Experience
@@ -58,11 +59,12 @@ def evolve_repeats(
     scene: Scene, view: Viewpoint, sizes: SearchSizes, latents: zarrs.Store, models: Sequence[Models]
 ) -> list[Path]:
     """The scratch folders of the repeats' finished searches; ``models`` are their VAE and MDN-RNN."""
-    place, method, seed = compute(), params.section(ControllerParams, "controller"), params.seed()
+    place, method = compute(), params.section(ControllerParams, "controller")
+    seed, share = params.seed(), params.heldout_share()
 
     def make(places: Mapping[int, Place]) -> None:
         networks = {r: Networks.load(*models[r], place) for r in places}
-        seen = {r: Experience.of(**{name: latents.repeat(name, r) for name in READ}) for r in places}
+        seen = {r: experience(latents, r, share) for r in places}
         repeats = [Repeat(r, seen[r], networks[r].rnn, place.running) for r, place in places.items()]
         loops = closed_loops(scene, view, list(networks.values()), place.device, cores())
         searches = search_controllers(loops, repeats, method, sizes, seed)
@@ -70,10 +72,17 @@ def evolve_repeats(
             save_search(where.results, search, sizes.population * sizes.episodes * scene.frames)
 
     common: dict[str, Any] = {"code": code_digest(*CODE), "machine": place.facts(), "seed": seed}
-    common |= {"method": method.model_dump(), "sizes": sizes.model_dump()}
+    common |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "heldout_share": share}
     common |= {"scene": scene.params.model_dump(), "view": view.model_dump()}
     inputs = [scratch.digest_files([latents.place(r), *models[r]]) for r in range(len(models))]
     return finished_together("controller", {r: {**common, "inputs": i} for r, i in enumerate(inputs)}, make)
+
+
+def experience(latents: zarrs.Store, repeat: int, heldout_share: float) -> Experience:
+    """The random episodes of a repeat on which its networks were trained: no other says where to start."""
+    arrays = {name: latents.repeat(name, repeat) for name in READ}
+    training, _ = split_episodes(len(arrays["reward"]), heldout_share)
+    return Experience.of(**{name: array[training] for name, array in arrays.items()})
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The one split into training and held-out episodes; VAE, probes and MDN-RNN share it."""
+"""The one split into training and held-out episodes, for networks, probes and the controller's start."""
 
 from __future__ import annotations
 

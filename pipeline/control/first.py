@@ -2,7 +2,7 @@
 
 In the random episodes a frame changes the reward by about a · g, where a is the action and g points
 to the target. A linear controller can at best say W [z, h] + b ≈ g, so W and b are the least-squares
-solution of
+solution, over the episodes on which the networks were trained, of
 
     r(t) - r(t - 1)  ≈  a(t) · (W [z(t), h(t)] + b)  +  c · [z(t), h(t)] + d,
 

@@ -126,10 +126,10 @@ def _share(part: float, whole: float) -> float | None:
 
 
 class Mdnrnn(Table):
-    """How well a branch's second network foresees, ``mdnrnn.json``; nats a frame."""
+    """How well a branch's second network foresees the next frame, ``mdnrnn.json``; means over latents."""
 
-    heldout_nll_mean: float
-    heldout_nll_of_last_frame_mean: float
+    heldout_nll_nats_per_latent_mean: float
+    heldout_nll_of_last_frame_nats_per_latent_mean: float
 
 
 class Evaluation(Table):

@@ -90,9 +90,9 @@ def fit(
     plateau = train(problem, params.schedule, generator, running, what)
     return network, {
         "epochs": plateau.epoch,
-        "training_nll": plateau.training_loss,
-        "heldout_nll": plateau.best_loss,
-        "heldout_nll_of_last_frame": nll_of_last_frame(training.sample(generator), unseen),
+        "training_nll_nats_per_latent": plateau.training_loss,
+        "heldout_nll_nats_per_latent": plateau.best_loss,
+        "heldout_nll_of_last_frame_nats_per_latent": nll_of_last_frame(training.sample(generator), unseen),
     }
 
 

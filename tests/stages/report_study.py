@@ -147,7 +147,10 @@ def _write_branch(
     vae |= {f"{name}_mean": float(rng.uniform(0, 1)) for name in SHARES}
     vae |= {f"{name}_mean": float(rng.uniform(8, 40)) for name in VAE}
     write_json(folder / "vae.json", {**head, **vae, "repeats": []})
-    nll = {"heldout_nll_mean": 12.3 + place, "heldout_nll_of_last_frame_mean": 20.6}
+    nll = {
+        "heldout_nll_nats_per_latent_mean": 12.3 + place,
+        "heldout_nll_of_last_frame_nats_per_latent_mean": 20.6,
+    }
     write_json(folder / "mdnrnn.json", {**head, **nll, "repeats": []})
     _curve(returns, rng).write_csv(folder / "controller.csv")
 

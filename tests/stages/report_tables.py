@@ -101,8 +101,9 @@ def _probes(row: Row) -> list[str]:
 
 def _world_model(row: Row) -> list[str]:
     facts = ("reconstruction_error_mean", "kl_nats_mean", "active_dimensions_mean")
-    foresight = ("heldout_nll_mean", "heldout_nll_of_last_frame_mean")
-    return [_short(row, "view"), *(fixed(row[name], 1) for name in (*facts, *foresight))]
+    foresight = ("heldout_nll_nats_per_latent_mean", "heldout_nll_of_last_frame_nats_per_latent_mean")
+    fit, foreseen = (fixed(row[name], 1) for name in facts), (fixed(row[name], 2) for name in foresight)
+    return [_short(row, "view"), *fit, *foreseen]
 
 
 def _coverage(row: Row) -> list[str]:

@@ -8,15 +8,18 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import polars as pl
 import pytest
 
 from pipeline import controller
+from pipeline.contract import zarrs
 from pipeline.contract.errors import BelvedereError
 from pipeline.control import loop
 from pipeline.control.policy import load_controller
 from tests.stages.control_stages import (
     ACTIONS,
+    EPISODES,
     FRAMES,
     VIEW,
     write_latents,
@@ -24,6 +27,7 @@ from tests.stages.control_stages import (
     write_probes,
     write_world_model,
 )
+from tests.stores import write_store
 
 ROOT = Path(__file__).resolve().parents[2]
 OUTS = {"out": Path("controller"), "curve": Path("curve.csv")}
@@ -106,6 +110,23 @@ def test_missing_probes_are_named(workplace: Path) -> None:
     with pytest.raises(BelvedereError, match="dvc repro vae"):
         controller.main(**VIEW, **models, probes=Path("vae.json"), **OUTS)
     assert not (workplace / "controller").exists()
+
+
+@pytest.mark.parametrize(("episode", "alike"), [(EPISODES - 1, True), (EPISODES - 2, False)])
+def test_the_start_is_fitted_on_training_episodes_only(workplace: Path, episode: int, alike: bool) -> None:
+    """The last tenth of six episodes is held out: whatever happened in it, the search is the same."""
+    write_params(workplace)
+    flags = write_world_model(workplace) | write_probes(workplace) | write_latents(workplace)
+    controller.main(**VIEW, **flags, **OUTS)
+    before = [(workplace / name).read_bytes() for name in ("controller/repeat_0.npz", "curve.csv")]
+    store = zarrs.Store(flags["latents"], zarrs.LATENTS, "latents")
+    arrays = {name: store.repeat(name, 0)[None] for name in zarrs.LATENTS}
+    for array in arrays.values():
+        array[0, episode] = np.random.default_rng(9).standard_normal(array[0, episode].shape)
+    write_store(flags["latents"], zarrs.LATENTS, arrays, {})
+    controller.main(**VIEW, **flags, **OUTS)
+    after = [(workplace / name).read_bytes() for name in ("controller/repeat_0.npz", "curve.csv")]
+    assert (before == after) is alike
 
 
 @pytest.mark.slow

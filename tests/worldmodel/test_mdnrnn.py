@@ -11,10 +11,11 @@ from torch.distributions import Categorical, MixtureSameFamily, Normal
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.learning import checkpoints
+from pipeline.learning.device import Compute
 from pipeline.learning.training import seeded
 from pipeline.worldmodel.mdnrnn import MdnRnn, load_mdnrnn, save_mdnrnn
-from pipeline.worldmodel.mdnrnn_training import initialised, nll_of_last_frame
-from pipeline.worldmodel.params import MdnRnnParams
+from pipeline.worldmodel.mdnrnn_training import Sequences, fit, initialised, nll_of_last_frame
+from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes
 
 PARAMS = MdnRnnParams.model_validate(
     {
@@ -53,6 +54,20 @@ def test_nll_is_that_of_torchs_mixtures() -> None:
         gaussians = Normal(mixture.mean, mixture.log_sigma.exp())
         theirs = MixtureSameFamily(Categorical(logits=mixture.log_weight), gaussians)
         torch.testing.assert_close(mixture.nll(latents), -theirs.log_prob(latents))
+
+
+def test_the_metrics_are_per_latent(tmp_path: Path) -> None:
+    """Of posteriors N(0, 1) that no action moves, no frame tells more than the entropy of one latent."""
+    still = torch.zeros(40, 6, 32)
+    episodes = Sequences(still, still, torch.zeros(40, 6, 2))
+    place = Compute(torch.device("cpu"), torch.float32)
+    sizes = MdnRnnSizes(epochs=8, batch=4)
+    _, numbers = fit(episodes, episodes, PARAMS, sizes, place, 1, tmp_path, "a test")
+    entropy = stats.norm.entropy()
+    assert numbers["training_nll_nats_per_latent"] == pytest.approx(entropy, abs=0.1)
+    assert numbers["heldout_nll_nats_per_latent"] == pytest.approx(entropy, abs=0.1)
+    doubled = stats.norm(scale=2**0.5).entropy()  # a difference of two frames has twice the variance
+    assert numbers["heldout_nll_of_last_frame_nats_per_latent"] == pytest.approx(doubled, abs=0.05)
 
 
 def test_log_sigma_stays_within_its_bound() -> None:
