@@ -19,6 +19,7 @@ from pipeline.control.jobs import Job
 from pipeline.control.loops import judge
 from pipeline.control.params import EvaluationSizes, SearchSizes
 from pipeline.control.policy import Controllers
+from pipeline.learning.side_by_side import killed_is_told
 from pipeline.sim.draws import draw_episodes
 
 SCENE = "panda_2dof"
@@ -31,7 +32,7 @@ DRAWN = 128  # different episodes; more worlds run them several times
 def measure() -> list[Row]:
     """Rows of two small tables; worlds are counted in a process of their own, for its memory's sake."""
     spawning = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(1, mp_context=spawning) as fresh:
+    with killed_is_told("growth with worlds"), ProcessPoolExecutor(1, mp_context=spawning) as fresh:
         worlds = fresh.submit(worlds_rows).result()
     return [*worlds, *candidates_rows(), *repeats_rows()]
 

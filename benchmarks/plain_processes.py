@@ -12,6 +12,7 @@ import torch
 
 from benchmarks.loops import setting
 from benchmarks.plain_loop import PlainLoop, renderer
+from pipeline.learning.side_by_side import killed_is_told
 from pipeline.sim.draws import Episodes
 
 
@@ -35,15 +36,17 @@ class Crew:
             there.close()  # so that a process that dies is an end of file here
             self._pipes.append(here)
             self._processes.append(process)
-        for pipe in self._pipes:
-            pipe.recv()  # it is ready
+        with killed_is_told("plain loops"):
+            for pipe in self._pipes:
+                pipe.recv()  # it is ready
 
     def run(self, kind: str, candidates: np.ndarray, episodes: Episodes) -> np.ndarray:
         """Returns (n,) of controllers (n, parameters) in episodes (n), dealt out evenly."""
         shares = np.array_split(np.arange(len(episodes)), len(self._pipes))
-        for pipe, share in zip(self._pipes, shares, strict=True):
-            pipe.send((kind, candidates[share], episodes[share]))
-        return np.concatenate([pipe.recv() for pipe in self._pipes])
+        with killed_is_told("plain loops"):
+            for pipe, share in zip(self._pipes, shares, strict=True):
+                pipe.send((kind, candidates[share], episodes[share]))
+            return np.concatenate([pipe.recv() for pipe in self._pipes])
 
     def close(self) -> None:
         """Ends the processes."""

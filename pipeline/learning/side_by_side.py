@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from multiprocessing import active_children, get_context
 from typing import TypeVar
 
+from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import CORES_VARIABLE, cores
 from pipeline.contract.stage import WORKER
 
@@ -43,18 +46,38 @@ def in_processes(make: Callable[[int], Result], repeats: int) -> list[Result]:
     """The same, each repeat in a process of its own: for what draws from generators that a process shares.
 
     ``make`` and its results go through pickle. One repeat at a time needs no other process.
+
+    Raises:
+        BelvedereError: a process was killed from outside.
     """
     workers = min(repeats, cores())
     if workers <= 1:
         return [make(repeat) for repeat in range(repeats)]
     share = max(1, cores() // workers)
-    with ProcessPoolExecutor(workers, get_context("spawn"), _begin_process, (share,)) as pool:
+    pool = ProcessPoolExecutor(workers, get_context("spawn"), _begin_process, (share,))
+    with killed_is_told(f"one of {repeats} repeats, {workers} at a time"), pool:
         try:
             return _results([pool.submit(make, repeat) for repeat in range(repeats)])
         except BaseException:
             for process in active_children():  # or the pool would wait for them
                 process.terminate()
             raise
+
+
+@contextmanager
+def killed_is_told(work: str) -> Iterator[None]:
+    """Within it the death of a process that does some of ``work`` is told in a sentence.
+
+    Raises:
+        BelvedereError: a process was killed from outside.
+    """
+    try:
+        yield
+    except (BrokenProcessPool, EOFError, BrokenPipeError):  # the last two from pipes to processes of our own
+        raise BelvedereError(
+            f"a process at work on {work} was killed from outside, as systems do that run out of memory; "
+            f"finished repeats are kept: run it again, with {CORES_VARIABLE}=1 if memory is short."
+        ) from None
 
 
 def _begin_process(share: int) -> None:

@@ -12,6 +12,7 @@ import torch
 from benchmarks.loops import VIEWS, Setting, candidates, setting
 from benchmarks.plain_loop import AS_IT_COMES, STRIPPED, Draw, PlainLoop, renderer
 from benchmarks.plain_processes import Crew
+from pipeline.contract.errors import BelvedereError
 from pipeline.control.loop import Loop, Workers
 from pipeline.control.policy import Controllers
 from pipeline.learning.device import Compute
@@ -81,3 +82,12 @@ def test_the_renderer_as_it_comes_draws_shadows_and_the_stripped_one_none() -> N
         pictures[kind] = draw(data).astype(int)
     darker = (pictures[AS_IT_COMES].sum(axis=2) < pictures[STRIPPED].sum(axis=2) - 30).mean()
     assert darker > 0.01
+
+
+def test_a_killed_process_is_told_in_a_sentence() -> None:
+    crew = Crew("panda_1dof", (), 1, 2)
+    (process,) = crew._processes
+    process.kill()
+    process.join()
+    with pytest.raises(BelvedereError, match="at work on plain loops was killed from outside"):
+        crew.run("none", np.zeros((1, 1)), Episodes(np.zeros((1, 3)), np.zeros((1, 3))))
