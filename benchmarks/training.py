@@ -83,10 +83,14 @@ def command(stage: str, branch: str, view: dict[str, Any]) -> list[str]:
     return arguments
 
 
-def _run(folder: Path, words: list[str]) -> None:
+def stage_environment(folder: Path) -> dict[str, str]:
+    """The environment of a stage that runs in ``folder``, on this working tree's code."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("DVC_")}
-    place = {"PYTHONPATH": str(ROOT), "BELVEDERE_SCRATCH": str(folder / ".scratch")}
-    done = subprocess.run(words, cwd=folder, env=kept | place, capture_output=True, text=True)
+    return kept | {"PYTHONPATH": str(ROOT), "BELVEDERE_SCRATCH": str(folder / ".scratch")}
+
+
+def _run(folder: Path, words: list[str]) -> None:
+    done = subprocess.run(words, cwd=folder, env=stage_environment(folder), capture_output=True, text=True)
     if done.returncode:
         told = done.stderr.strip().splitlines() or ["it says nothing"]
         raise BelvedereError(f"`{shlex.join(words[1:])}` ended with status {done.returncode}: {told[-1]}")

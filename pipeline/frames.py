@@ -65,7 +65,7 @@ class Studio:
             what = f"frames {self._scene.name} ({self._view.theta:g}°, {self._view.phi:g}°), repeat {repeat}"
             with Progress(episodes * frames, what) as progress:
                 arrays = render(self._gallery, store, repeat, progress)
-            zarrs.write(results / REPEAT, zarrs.FRAMES, arrays, facts)
+                zarrs.write(results / REPEAT, zarrs.FRAMES, arrays, facts)
 
         decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "facts": facts}
         decides |= {"code": code_digest(*CODE), "scene": self._scene.params.model_dump()}

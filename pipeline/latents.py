@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pipeline.contract import zarrs
+from pipeline.contract.parts import places
 from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_store
 from pipeline.contract.scratch import digest_files
 from pipeline.contract.stage import entry
 from pipeline.learning.device import Compute, compute
 from pipeline.learning.side_by_side import side_by_side
-from pipeline.worldmodel.encoder import Encoder
+from pipeline.worldmodel.encoder import BATCH, Encoder
 from pipeline.worldmodel.vae import LATENTS, load_vae
 
 CODE = ("contract", "learning", "worldmodel", "latents.py")
@@ -43,14 +45,15 @@ def encode_repeat(store: zarrs.Store, repeat: int, vae: Path, place: Compute) ->
 
 def encode(store: zarrs.Store, repeat: int, encoder: Encoder) -> dict[str, np.ndarray]:
     """One repeat's arrays of the latents layout."""
-    rgb = store.repeat("rgb", repeat)
-    mean, log_variance = encoder.posterior(rgb.reshape(-1, *rgb.shape[2:]))
-    shape = (*rgb.shape[:2], LATENTS)
-    return {
-        "mean": mean.numpy().reshape(shape),
-        "log_variance": log_variance.numpy().reshape(shape),
-        **{name: store.repeat(name, repeat) for name in ("action", "reward")},
-    }
+    same = {name: store.repeat(name, repeat) for name in ("action", "reward")}
+    episodes, frames = same["reward"].shape
+    mean, log_variance = (np.empty((episodes, frames, LATENTS), np.float32) for _ in range(2))
+    whole = BATCH // math.gcd(BATCH, frames)  # episodes that fill batches, so that parts round as the whole
+    for place in places(episodes, whole):
+        rgb = store.episodes("rgb", repeat, place)
+        codes = encoder.posterior(rgb.reshape(-1, *rgb.shape[2:]))
+        mean[place], log_variance[place] = (code.numpy().reshape(-1, frames, LATENTS) for code in codes)
+    return {"mean": mean, "log_variance": log_variance, **same}
 
 
 if __name__ == "__main__":

@@ -20,12 +20,13 @@ from pipeline.learning.device import Compute, compute
 from pipeline.learning.side_by_side import side_by_side
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.params import VaeParams, VaeSizes
+from pipeline.worldmodel.pictures import read_pictures
 from pipeline.worldmodel.probes import Labelled, label, probe
 from pipeline.worldmodel.reconstructions import write_reconstructions
 from pipeline.worldmodel.vae_training import fit
 
 CODE = ("contract", "learning", "worldmodel", "vae.py")
-READ = ("rgb", "tip", "target", "target_pixels", "target_pixels_free")
+READ = ("tip", "target", "target_pixels", "target_pixels_free")
 
 
 def main(*, frames: Path, out: Path, metrics: Path, picture: Path) -> None:
@@ -46,33 +47,30 @@ def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
 
     def make(results: Path, running: Path) -> None:
         arrays = {name: store.repeat(name, repeat) for name in READ}
-        training, heldout = split_episodes(len(arrays["rgb"]), share)
-        strided = {name: arrays[name][:, :: sizes.frame_stride] for name in ("rgb", "tip")}
+        training, heldout = split_episodes(len(arrays["tip"]), share)
         draws, what = seeds.integer(seed, repeat, Stream.VAE), f"vae, repeat {repeat}"
-        seen, unseen = flat(strided["rgb"][training]), flat(strided["rgb"][heldout])
+        seen, unseen = (
+            read_pictures(store, repeat, part, sizes.frame_stride) for part in (training, heldout)
+        )
         vae, numbers = fit(seen, unseen, method, sizes, place, draws, running, what)
         encoder = Encoder(vae, place)
 
         def labelled(pictures: np.ndarray, episodes: np.ndarray) -> Labelled:
-            return label(encoder(pictures), strided["tip"][episodes], arrays["target"][episodes])
+            tip = arrays["tip"][episodes, :: sizes.frame_stride]
+            return label(encoder(pictures), tip, arrays["target"][episodes])
 
         probing = seeds.integer(seed, repeat, Stream.PROBES)
         numbers |= probe(labelled(seen, training), labelled(unseen, heldout), method.probes, probing)
         shares = arrays["target_pixels"] / np.maximum(arrays["target_pixels_free"], 1)[:, None]
         hidden = arrays["target_pixels"] == 0
         numbers |= {"target_seen_share": shares.mean(), "frames_target_hidden_share": hidden.mean()}
-        write_reconstructions(results / "reconstructions.png", vae, flat(arrays["rgb"][heldout]))
+        write_reconstructions(results / "reconstructions.png", vae, read_pictures(store, repeat, heldout))
         checkpoints.save(results / "weights.pt", vae.cpu().state_dict())
         write_json(results / "metrics.json", numbers)
 
     decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "code": code_digest(*CODE)}
     decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
     return finished("vae", repeat, make, seed=seed, heldout_share=share, **decides)
-
-
-def flat(array: np.ndarray) -> np.ndarray:
-    """(episode, frame, …) to (episode × frame, …)."""
-    return array.reshape(-1, *array.shape[2:])
 
 
 if __name__ == "__main__":

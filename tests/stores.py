@@ -18,3 +18,13 @@ def write_store(
     for repeat in range(len(next(iter(arrays.values())))):
         of_repeat = {name: array[repeat] for name, array in arrays.items()}
         zarrs.write(zarrs.place(path, repeat), schema, of_repeat, attributes)
+
+
+def random_frames(path: Path, episodes: int, frames: int) -> zarrs.Store:
+    """A store of one repeat whose pictures and numbers mean nothing."""
+    rng, sizes = np.random.default_rng(1), {"axis": 2, "row": 64, "column": 64, "channel": 3, "xyz": 3}
+    sizes |= {"episode": episodes, "frame": frames}
+    shapes = {name: [sizes[dim] for dim in column.dims] for name, column in zarrs.FRAMES.items()}
+    arrays = {name: rng.integers(0, 256, (1, *shape), np.uint8) for name, shape in shapes.items()}
+    write_store(path, zarrs.FRAMES, arrays, {})
+    return zarrs.Store(path, zarrs.FRAMES, "frames")

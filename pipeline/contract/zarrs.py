@@ -17,6 +17,7 @@ import zarr
 
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.parts import InParts, parts
 
 FORMAT = 2
 SHARD_BYTES = 256 * 2**20  # an upper bound on a shard, far above quick's, for the paper budget
@@ -72,9 +73,9 @@ def place(folder: Path, repeat: int) -> Path:
 
 
 def write(
-    path: Path, schema: Schema, arrays: Mapping[str, np.ndarray], attributes: Mapping[str, Any]
+    path: Path, schema: Schema, arrays: Mapping[str, np.ndarray | InParts], attributes: Mapping[str, Any]
 ) -> None:
-    """Writes one repeat whole.
+    """Writes one repeat whole, a shard at a time; what is made in parts is made and written first.
 
     Args:
         path: the repeat's own folder, see :func:`place`.
@@ -85,9 +86,9 @@ def write(
     _check_shapes(path, schema, {name: a.shape for name, a in arrays.items()})
     with writing(Path(path)) as aside:
         group = zarr.create_group(str(aside), attributes={**attributes, "format": FORMAT})
-        for name, column in schema.items():
-            array = np.ascontiguousarray(arrays[name], dtype=column.dtype)
-            chunks, shards = _layout(array)
+        for name in sorted(schema, key=lambda name: not isinstance(arrays[name], InParts)):
+            column, array = schema[name], arrays[name]
+            chunks, shards = _layout(array.shape, np.dtype(column.dtype).itemsize)
             stored = group.create_array(
                 name,
                 shape=array.shape,
@@ -97,14 +98,15 @@ def write(
                 dimension_names=column.dims,
                 attributes={"unit": column.unit},
             )
-            stored[...] = array
+            for place, part in parts(array, shards[0]):
+                stored[place] = np.ascontiguousarray(part, dtype=column.dtype)
 
 
-def _layout(array: np.ndarray) -> tuple[tuple[int, ...], tuple[int, ...]]:
+def _layout(shape: tuple[int, ...], item_bytes: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """One episode a chunk; as many episodes a shard as ``SHARD_BYTES`` allow."""
-    rest = array.shape[1:]
-    episode_bytes = int(np.prod(rest, dtype=np.int64)) * array.itemsize
-    episodes = max(1, min(array.shape[0], SHARD_BYTES // max(1, episode_bytes)))
+    rest = shape[1:]
+    episode_bytes = int(np.prod(rest, dtype=np.int64)) * item_bytes
+    episodes = max(1, min(shape[0], SHARD_BYTES // max(1, episode_bytes)))
     return (1, *rest), (episodes, *rest)
 
 
@@ -146,7 +148,11 @@ class Store:
         return tuple(self._array(name, 0).shape)
 
     def repeat(self, name: str, repeat: int) -> np.ndarray:
-        """One repeat's array ``name``: shape ``(episode, …)``.
+        """One repeat's array ``name``: shape ``(episode, …)``; raises as :meth:`episodes` does."""
+        return self.episodes(name, repeat, slice(None))
+
+    def episodes(self, name: str, repeat: int, place: slice) -> np.ndarray:
+        """Some episodes of one repeat's array ``name``: shape ``(episode, …)``.
 
         Raises:
             BelvedereError: the data cannot be read or is cut short.
@@ -155,7 +161,7 @@ class Store:
         array = self._array(name, repeat)
         self._refuse_missing_shards(where / name, array)
         try:
-            return np.asarray(array[...])
+            return np.asarray(array[place])
         except Exception as error:  # a truncated shard surfaces as one of many types
             raise self._broken(
                 f"array {name} of repeat {repeat} cannot be read ({type(error).__name__})"

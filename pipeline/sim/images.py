@@ -16,6 +16,7 @@ import numpy as np
 import warp as wp
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.parts import places
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim import drawn, painting
 from pipeline.sim.camera import camera_to_world
@@ -175,16 +176,15 @@ class Gallery:
         rgb = np.empty((n, PICTURE_SIZE, PICTURE_SIZE, 3), np.uint8)
         pixels = np.zeros(n, np.int32)
 
-        def draw(begin: int) -> None:
+        def draw(part: slice) -> None:
             worker = self._free.pop()
-            part = slice(begin, min(begin + _SHARD, n))
             rgb[part] = worker.render(qpos[part], target_m[part])
             if self._segment:
-                pixels[part] = worker.target_pixels(part.stop - begin)
+                pixels[part] = worker.target_pixels(part.stop - part.start)
             self._free.append(worker)
-            drawn(part.stop - begin)
+            drawn(part.stop - part.start)
 
-        list(self._pool.map(draw, range(0, n, _SHARD)))
+        list(self._pool.map(draw, places(n, _SHARD)))
         return rgb, pixels
 
 
@@ -192,6 +192,9 @@ def target_pixels_unhidden(
     scene: Scene, view: Viewpoint, qpos: np.ndarray, target_m: np.ndarray
 ) -> np.ndarray:
     """Pixels of the target, were nothing in front of it: shapes (n, nq), (n, 3) → (n,)."""
-    images = Images(scene, view, len(qpos), groups=(TARGET_GROUP,), segment=True)
-    images.render(qpos, target_m)
-    return images.target_pixels(len(qpos))
+    images = Images(scene, view, min(len(qpos), _SHARD), groups=(TARGET_GROUP,), segment=True)
+    pixels = np.zeros(len(qpos), np.int32)
+    for place in places(len(qpos), _SHARD):
+        images.render(qpos[place], target_m[place])
+        pixels[place] = images.target_pixels(place.stop - place.start)
+    return pixels

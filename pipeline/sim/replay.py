@@ -8,16 +8,20 @@ import numpy as np
 from PIL import Image
 
 from pipeline.contract import zarrs
+from pipeline.contract.parts import InParts
 from pipeline.contract.progress import Progress
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.images import Gallery, Images, target_pixels_unhidden
 from pipeline.sim.scene import Scene
+from pipeline.sim.sight import PICTURE_SIZE
 
 _LARGE = 512  # side of the picture for people, pixels
 
 
-def render(gallery: Gallery, store: zarrs.Store, repeat: int, progress: Progress) -> dict[str, np.ndarray]:
-    """One repeat's arrays of the layout :data:`pipeline.contract.zarrs.FRAMES`.
+def render(
+    gallery: Gallery, store: zarrs.Store, repeat: int, progress: Progress
+) -> dict[str, np.ndarray | InParts]:
+    """One repeat's arrays of the layout :data:`pipeline.contract.zarrs.FRAMES`; pictures are drawn in parts.
 
     Args:
         gallery: renders what the viewpoint shows, targets marked.
@@ -26,10 +30,16 @@ def render(gallery: Gallery, store: zarrs.Store, repeat: int, progress: Progress
         progress: is told of every picture.
     """
     qpos, target = store.repeat("qpos", repeat), store.repeat("target", repeat)
-    frames = qpos.shape[1]
-    flat = qpos.reshape(-1, qpos.shape[-1])
-    rgb, pixels = gallery.render(flat, np.repeat(target, frames, axis=0), progress.advance)
-    rgb, pixels = (a.reshape(*qpos.shape[:2], *a.shape[1:]) for a in (rgb, pixels))
+    episodes, frames = qpos.shape[:2]
+    pixels = np.zeros((episodes, frames), np.int32)  # filled as pictures are drawn
+
+    def draw(place: slice) -> np.ndarray:
+        flat, targets = qpos[place].reshape(-1, qpos.shape[-1]), np.repeat(target[place], frames, axis=0)
+        rgb, seen = gallery.render(flat, targets, progress.advance)
+        pixels[place] = seen.reshape(-1, frames)
+        return rgb.reshape(-1, frames, *rgb.shape[1:])
+
+    rgb = InParts((episodes, frames, PICTURE_SIZE, PICTURE_SIZE, 3), draw)
     free = target_pixels_unhidden(gallery.scene, gallery.view, qpos[:, 0], target)
     same = {name: store.repeat(name, repeat) for name in ("tip", "action", "reward", "target")}
     return {"rgb": rgb, "target_pixels": pixels, "target_pixels_free": free, **same}

@@ -6,6 +6,28 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from pipeline.contract import zarrs
+from pipeline.contract.parts import places
+
+_EPISODES = 8  # read at a time; while it reads, Zarr holds about three times as much
+
+
+def read_pictures(store: zarrs.Store, repeat: int, episodes: np.ndarray, stride: int = 1) -> np.ndarray:
+    """Bytes (n, 64, 64, 3) of every ``stride``-th picture of some episodes.
+
+    Args:
+        store: of layout :data:`pipeline.contract.zarrs.FRAMES`.
+        repeat: which of the store's.
+        episodes: consecutive ones, ascending.
+        stride: frames.
+    """
+    frames, *picture = store.shape("rgb")[1:]
+    found = np.empty((len(episodes), -(-frames // stride), *picture), np.uint8)
+    for place in places(len(episodes), _EPISODES):
+        at = slice(episodes[place.start], episodes[place.stop - 1] + 1)
+        found[place] = store.episodes("rgb", repeat, at)[:, ::stride]
+    return found.reshape(-1, *picture)
+
 
 def fold(pictures: np.ndarray | Tensor) -> Tensor:
     """Folds bytes (n, 64, 64, 3) to (n, 32, 32, 12): 2 × 2 pixels become 12 channels of one place.

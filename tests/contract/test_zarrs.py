@@ -12,6 +12,7 @@ import pytest
 
 from pipeline.contract import zarrs
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.parts import InParts
 from tests.stores import write_store
 
 REPEATS, EPISODES, FRAMES = 2, 3, 4
@@ -75,6 +76,36 @@ def test_one_more_repeat_leaves_the_others_as_they_are(path: Path) -> None:
     assert former.items() < digests(path).items()
     assert opened(path).repeats == REPEATS + 1
     np.testing.assert_array_equal(opened(path).repeat("qpos", REPEATS), more["qpos"])
+
+
+@pytest.mark.parametrize("shard_bytes", [1, 200, 2**20])
+def test_an_array_that_is_made_in_parts_is_the_same_bytes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shard_bytes: int
+) -> None:
+    """It is made once, from the first episode to the last, before the others are written."""
+    monkeypatch.setattr(zarrs, "SHARD_BYTES", shard_bytes)
+    arrays = {name: array[0] for name, array in rollouts().items()}
+    zarrs.write(tmp_path / "whole", zarrs.ROLLOUTS, arrays, {})
+    filled, asked = np.zeros_like(arrays["reward"]), []
+
+    def make(place: slice) -> np.ndarray:
+        asked.extend(range(EPISODES)[place])
+        filled[place] = arrays["reward"][place]
+        return arrays["target"][place]
+
+    in_parts = {"target": InParts(arrays["target"].shape, make), "reward": filled}
+    zarrs.write(tmp_path / "in parts", zarrs.ROLLOUTS, arrays | in_parts, {})
+    assert asked == list(range(EPISODES))
+    assert digests(tmp_path / "in parts") == digests(tmp_path / "whole")
+
+
+def test_some_episodes_are_those_of_the_whole(path: Path) -> None:
+    store = opened(path)
+    for place in (slice(0, 1), slice(1, 3), slice(None), slice(2, 2)):
+        np.testing.assert_array_equal(store.episodes("qpos", 1, place), store.repeat("qpos", 1)[place])
+    shards(path, "qpos")[0].write_bytes(b"")
+    with pytest.raises(BelvedereError, match="lacks some of its data"):
+        store.episodes("qpos", 0, slice(0, 1))
 
 
 def test_large_arrays_are_split_into_shards_that_read_back(

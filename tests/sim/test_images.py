@@ -149,6 +149,15 @@ def test_gallery_draws_any_number() -> None:
     np.testing.assert_array_equal(pixels, images.target_pixels(70))
 
 
+def test_unhidden_pixels_are_the_same_in_any_batch() -> None:
+    view = VIEWS[-1]
+    scene, (qpos, target) = compiled(view.scene), states(view.scene)
+    qpos, target = np.tile(qpos, (9, 1))[:70], np.tile(target, (9, 1))[:70]
+    found = target_pixels_unhidden(scene, view, qpos, target)
+    alone = [target_pixels_unhidden(scene, view, qpos[i : i + 1], target[i : i + 1])[0] for i in range(70)]
+    assert found.tolist() == alone and found.all()
+
+
 @pytest.mark.parametrize("size", [30, 64])
 def test_antialiased_pixels_are_means(size: int) -> None:
     view = VIEWS[-1]

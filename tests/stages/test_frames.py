@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -14,16 +15,20 @@ from pipeline import frames, rollouts
 from pipeline.contract import params, zarrs
 from pipeline.contract.allocation import Allocation, Entry, write_allocation
 from pipeline.contract.errors import BelvedereError
+from pipeline.sim.camera import viewpoint
+from pipeline.sim.scene import load_scene
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE, BRANCH = "panda_2dof", "panda_2dof-a"
 VIEW = {"scene": SCENE, "theta": 0.0, "phi": 0.0}
+FRAMES = 3
+EPISODE_BYTES = FRAMES * 64 * 64 * 3  # of pictures
 
 
 @pytest.fixture
 def place(workplace: Path) -> Path:
     tree = yaml.safe_load((ROOT / params.PARAMS_FILE).read_text(encoding="utf-8"))
-    tree["scenes"][SCENE]["frames"] = 3
+    tree["scenes"][SCENE]["frames"] = FRAMES
     tree["budget"] = "tiny"
     (workplace / "params.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8")
     return workplace
@@ -83,3 +88,38 @@ def test_episodes_that_are_too_few_are_told(place: Path) -> None:
     with pytest.raises(BelvedereError, match=f"holds 2 repeats.*dvc repro rollouts@{SCENE}"):
         shoot(episodes, place)
     assert not (place / "frames").exists()
+
+
+def render_peak_bytes(place: Path, episodes: int) -> int:
+    """The most bytes of arrays that are alive while the first repeat is rendered and written."""
+    tree = yaml.safe_load((place / "params.yaml").read_text())
+    tree["budgets"]["tiny"]["rollouts"] = {"episodes": episodes}
+    (place / "params.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8")
+    store = zarrs.Store(roll(place).with_suffix(""), zarrs.ROLLOUTS, "")
+    studio = frames.Studio(load_scene(SCENE), viewpoint(SCENE, 0, 0))
+    studio.repeat(store, 1)  # draws, and leaves what is compiled or made once
+    tracemalloc.start()
+    studio.repeat(store, 0)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak
+
+
+def test_memory_does_not_grow_with_episodes(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(zarrs, "SHARD_BYTES", 6 * EPISODE_BYTES)
+    allocate(scene=2, branch=2)
+    few, many = (render_peak_bytes(place, episodes) for episodes in (12, 48))
+    assert many - few < (48 - 12) * EPISODE_BYTES / 4
+
+
+def test_shards_change_no_picture(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    allocate(scene=2, branch=2)
+    episodes = roll(place)
+    whole = {name: shoot(episodes, place).repeat(name, 1) for name in zarrs.FRAMES}
+    monkeypatch.setattr(zarrs, "SHARD_BYTES", 4 * EPISODE_BYTES)
+    monkeypatch.setenv("BELVEDERE_SCRATCH", str(place / "another"))
+    store = shoot(episodes, place)
+    assert len(list((place / "frames/repeat_1.zarr/rgb/c").iterdir())) == 2
+    for name, array in whole.items():
+        np.testing.assert_array_equal(store.repeat(name, 1), array)
+    assert whole["target_pixels"].any()

@@ -12,9 +12,12 @@ from pipeline import latents
 from pipeline.contract import zarrs
 from pipeline.contract.errors import BelvedereError
 from pipeline.learning import checkpoints
+from pipeline.learning.device import Compute
 from pipeline.learning.training import seeded
+from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.vae_training import initialised
 from tests.stages.worldmodel_stages import write_frames
+from tests.stores import random_frames
 
 
 @pytest.fixture(autouse=True)
@@ -46,3 +49,13 @@ def test_a_missing_network_is_named(tmp_path: Path) -> None:
     with pytest.raises(BelvedereError, match=r"repeat_0\.pt is missing; `dvc repro vae`"):
         latents.main(frames=tmp_path / "frames", vae=tmp_path, out=tmp_path / "latents")
     assert not (tmp_path / "latents").exists()
+
+
+def test_parts_give_the_codes_of_the_whole_to_the_bit(tmp_path: Path) -> None:
+    """70 episodes of 12 frames: batches of 256 pictures end within episodes, parts of 64 do not."""
+    store = random_frames(tmp_path / "frames", 70, 12)
+    encoder = Encoder(initialised(seeded(1)), Compute(torch.device("cpu"), torch.float32))
+    found = latents.encode(store, 0, encoder)
+    whole = encoder.posterior(store.repeat("rgb", 0).reshape(-1, 64, 64, 3))
+    for name, expected in zip(("mean", "log_variance"), whole, strict=True):
+        np.testing.assert_array_equal(found[name].reshape(-1, 32), expected.numpy())

@@ -1,14 +1,24 @@
-"""Folding pictures: torch's own order, and back."""
+"""Pictures as they are read; folding them: torch's own order, and back."""
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
+import pytest
 import torch
 import torch.nn.functional as F
 
-from pipeline.worldmodel.pictures import blocks, floats, fold, folded, unfold
+from pipeline.contract import zarrs
+from pipeline.worldmodel.pictures import blocks, floats, fold, folded, read_pictures, unfold
+from tests.stores import random_frames
 
 BYTES = np.random.default_rng(1).integers(0, 256, (3, 64, 64, 3), dtype=np.uint8)
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> zarrs.Store:
+    return random_frames(tmp_path_factory.mktemp("frames"), 100, 12)
 
 
 def test_folding_is_torchs_pixel_unshuffle() -> None:
@@ -27,3 +37,16 @@ def test_blocks_hold_four_by_four_pixels_and_are_a_view() -> None:
     torch.testing.assert_close(blocked.flatten(3).sort(3).values, wished.permute(0, 2, 3, 1).sort(3).values)
     assert blocked.untyped_storage().data_ptr() == numbers.untyped_storage().data_ptr()
     assert torch.equal(folded(blocked), numbers)
+
+
+@pytest.mark.parametrize(("stride", "episodes"), [(1, (0, 40)), (5, (0, 90)), (5, (90, 100)), (12, (63, 66))])
+def test_what_is_read_is_every_so_manieth_picture(
+    store: zarrs.Store, stride: int, episodes: tuple[int, int]
+) -> None:
+    whole = store.repeat("rgb", 0)[slice(*episodes), ::stride].reshape(-1, 64, 64, 3)
+    tracemalloc.start()
+    found = read_pictures(store, 0, np.arange(*episodes), stride)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    np.testing.assert_array_equal(found, whole)
+    assert peak < whole.nbytes + store.repeat("rgb", 0).nbytes / 2

@@ -1,0 +1,88 @@
+"""`./run python -m benchmarks.memory SCENE THETA PHI --repeats N [-S PATH=VALUE …]`: memory, stage by stage.
+
+The stages of one viewpoint run as DVC runs them, each in a process of its own, in a temporary folder. The
+table has the most memory that each held, as Linux counts it (``ru_maxrss``, MiB), and the bytes of a repeat's
+raw pictures beside it. ``-S`` changes params.yaml as DVC's does.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from benchmarks.rows import Row, side_tables
+from benchmarks.sizes import changed
+from benchmarks.training import ROOT, command, give_repeats, stage_environment
+from pipeline.contract.errors import BelvedereError
+from pipeline.contract.machine import cores
+
+KEY = "memory"  # the branch's name
+STAGES = ("rollouts", "frames", "geometry", "vae", "latents", "mdnrnn", "controller", "evaluation", "anchors")
+TABLE = "most memory that a stage holds, MiB"
+_PICTURE_BYTES = 64 * 64 * 3
+
+
+def measured(view: dict[str, Any], repeats: int, stages: Sequence[str], changes: Sequence[str]) -> Row:
+    """The row of ``view`` (scene, theta, phi), of so many repeats, with params.yaml changed."""
+    tree = changed(yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8")), changes)
+    with tempfile.TemporaryDirectory() as folder:
+        give_repeats(Path(folder), tree, repeats)
+        peaks = {stage: peak_mib(Path(folder), command(stage, KEY, view)) for stage in stages}
+    scene, sizes = view["scene"], tree["budgets"][tree["budget"]]["rollouts"]
+    episodes = sizes.get("scenes", {}).get(scene, sizes)["episodes"]
+    raw = episodes * tree["scenes"][scene]["frames"] * _PICTURE_BYTES / 2**20
+    said = {"table": TABLE, "scene": scene, "repeats": repeats, "episodes": episodes, "cores": cores()}
+    return {**said, "raw pictures of a repeat": raw, **peaks}
+
+
+def peak_mib(folder: Path, words: Sequence[str]) -> float:
+    """The most memory that ``python WORDS`` held, run in ``folder``.
+
+    Raises:
+        BelvedereError: it failed.
+    """
+    with (folder / "said").open("w+", encoding="utf-8") as said:
+        child = subprocess.Popen(
+            [sys.executable, *words], cwd=folder, env=stage_environment(folder), stdout=said, stderr=said
+        )
+        _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        said.seek(0)
+        told = said.read().strip().splitlines() or ["it says nothing"]
+    if child.returncode:
+        raise BelvedereError(f"`{shlex.join(words[1:])}` ended with status {child.returncode}: {told[-1]}")
+    return usage.ru_maxrss / 1024
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Prints the row as a table, or with ``--json`` as one object."""
+    options = argparse.ArgumentParser(prog="python -m benchmarks.memory", description=__doc__)
+    options.add_argument("scene")
+    options.add_argument("theta", type=float, help="degrees")
+    options.add_argument("phi", type=float, help="degrees")
+    options.add_argument("--repeats", type=int, required=True, help="independent trainings, two at least")
+    options.add_argument("--stages", nargs="+", choices=STAGES, default=STAGES, help="the first of them only")
+    options.add_argument("-S", dest="changes", action="append", default=[], metavar="PATH=VALUE")
+    options.add_argument("--json", action="store_true", help="one JSON object")
+    given = options.parse_args(argv)
+    view = {"scene": given.scene, "theta": given.theta, "phi": given.phi}
+    try:
+        found = measured(view, given.repeats, given.stages, given.changes)
+    except BelvedereError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(1) from None
+    print(json.dumps(found, ensure_ascii=False) if given.json else "\n".join(side_tables([found])))
+
+
+if __name__ == "__main__":
+    main()
