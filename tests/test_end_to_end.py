@@ -131,7 +131,7 @@ def test_killed_stages_continue_to_the_same_hashes_and_more_repeats_train_only_t
         clone.run("rm", "-rf", folder)
     clone.run("rm", "-rf", "dvc.lock")
     kill_during(clone, "vae", "checkpoint.pt")
-    kill_during(clone, "controller", "search.pickle")
+    kill_during(clone, "controller", "search.npz")
     clone.run("dvc", "repro", "evaluation@study", timeout_s=900)
     assert tracked_hashes(clone) == undisturbed
 

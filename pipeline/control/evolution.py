@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,9 +11,9 @@ import cma
 import numpy as np
 import polars as pl
 
-from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.progress import Progress
+from pipeline.control import history
 from pipeline.control.params import SearchParams
 
 
@@ -48,17 +47,22 @@ class Normal:
 
 @dataclass
 class Search:
-    """A search and how far it has come; all of it is in a checkpoint.
+    """A search and how far it has come.
 
     Attributes:
         strategy: pycma's state.
         draws: what the judge draws episodes from, generation by generation.
-        curve: of each generation its number and the population's mean and best return.
+        returns: of each generation, (p,).
     """
 
     strategy: Any
     draws: np.random.Generator
-    curve: list[tuple[int, float, float]] = field(default_factory=list)
+    returns: list[np.ndarray] = field(default_factory=list)
+
+    @property
+    def curve(self) -> list[tuple[int, float, float]]:
+        """Of each generation its number and the population's mean and best return."""
+        return [(g, float(own.mean()), float(own.max())) for g, own in enumerate(self.returns)]
 
     @property
     def incumbent(self) -> np.ndarray:
@@ -72,7 +76,7 @@ class Search:
     def tell(self, candidates: np.ndarray, returns: np.ndarray) -> None:
         """Moves on by the returns (p,) of candidates (p, d)."""
         self.strategy.tell(list(candidates), list(-returns))
-        self.curve.append((len(self.curve), float(returns.mean()), float(returns.max())))
+        self.returns.append(np.array(returns))
 
     def table(self, frames: int) -> pl.DataFrame:
         """The curve with columns ``generation``, ``frames`` (so far, of so many each), ``mean``, ``best``."""
@@ -85,7 +89,7 @@ class Run:
     """A search on its way.
 
     Attributes:
-        search: where to start; a checkpoint takes its place.
+        search: where to start.
         running: folder of the checkpoint, written after each generation; what was killed continues
             to the same bytes.
         name: for messages.
@@ -96,21 +100,28 @@ class Run:
     name: str
 
     def so_far(self) -> Search:
-        """The search as the last checkpoint left it, or where it starts."""
-        path = self._checkpoint
-        return pickle.loads(path.read_bytes()) if path.is_file() else self.search
+        """The search moved on to the last checkpoint; a damaged one is passed over, with a word."""
+        if self._checkpoint.is_file():
+            population = int(self.search.strategy.popsize)
+            try:
+                known = history.read_history(self._checkpoint, population, self.search.draws)
+            except Exception as error:  # a damaged file surfaces as one of many types
+                print(f"{self._checkpoint} is damaged ({type(error).__name__}); {self.name} begins anew.")
+                return self.search
+            for returns in known:
+                self.search.tell(self.search.ask(0).candidates, returns)
+        return self.search
 
     def advance(self, search: Search, generation: Generation, returns: np.ndarray) -> None:
         """Moves ``search`` on by a judged generation and writes the checkpoint."""
         if not np.isfinite(returns).all():
             raise BelvedereError(f"{self.name}: a return is {returns.min()}; look at the stage's input.")
         search.tell(generation.candidates, returns)
-        with writing(self._checkpoint) as aside:
-            aside.write_bytes(pickle.dumps(search))
+        history.write_history(self._checkpoint, search.returns, search.draws)
 
     @property
     def _checkpoint(self) -> Path:
-        return Path(self.running) / "search.pickle"
+        return Path(self.running) / history.FILE
 
 
 def start(
@@ -161,9 +172,9 @@ def evolve(runs: Sequence[Run], judge: Judge, generations: int, what: str) -> li
         BelvedereError: a return is not a finite number.
     """
     searches = [run.so_far() for run in runs]
-    done = sum(len(search.curve) for search in searches)
+    done = sum(len(search.returns) for search in searches)
     with Progress(generations * len(runs), what, initial=done) as progress:
-        while behind := [i for i, search in enumerate(searches) if len(search.curve) < generations]:
+        while behind := [i for i, search in enumerate(searches) if len(search.returns) < generations]:
             asked = [searches[i].ask(member=i) for i in behind]
             judged = list(judge(asked))
             for generation, returns in zip(asked, judged, strict=True):

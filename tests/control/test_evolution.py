@@ -1,6 +1,8 @@
 from __future__ import annotations
 
-from collections.abc import Sequence
+import io
+import pickle
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ import pytest
 from pipeline.contract.errors import BelvedereError
 from pipeline.control.evolution import Generation, Judge, Run, Search, evolve, start
 from pipeline.control.params import SearchParams
+from tests.damage import flipped
 
 DIMENSIONS, GENERATIONS = 12, 30
 
@@ -47,8 +50,9 @@ def test_it_climbs(diagonal: bool, tmp_path: Path) -> None:
     assert all(best >= mean for _, mean, best in found.curve)
 
 
-def test_what_was_killed_continues_to_the_same_bytes(tmp_path: Path) -> None:
-    whole = alone(search(), noisy_sphere, GENERATIONS, tmp_path / "whole")
+@pytest.mark.parametrize("diagonal", [True, False])
+def test_what_was_killed_continues_to_the_same_bytes(diagonal: bool, tmp_path: Path) -> None:
+    whole = alone(search(diagonal), noisy_sphere, GENERATIONS, tmp_path / "whole")
     calls = 0
 
     def killed(generations: Sequence[Generation]) -> list[np.ndarray]:
@@ -60,10 +64,49 @@ def test_what_was_killed_continues_to_the_same_bytes(tmp_path: Path) -> None:
         return noisy_sphere(generations)
 
     with pytest.raises(KeyboardInterrupt):
-        alone(search(), killed, GENERATIONS, tmp_path / "parts")
-    resumed = alone(search(), noisy_sphere, GENERATIONS, tmp_path / "parts")
+        alone(search(diagonal), killed, GENERATIONS, tmp_path / "parts")
+    resumed = alone(search(diagonal), noisy_sphere, GENERATIONS, tmp_path / "parts")
     assert resumed.incumbent.tobytes() == whole.incumbent.tobytes()
     assert resumed.curve == whole.curve
+
+
+def objects(content: object) -> bytes:
+    """A NumPy archive of the names that a checkpoint has, which holds pickled objects."""
+    file = io.BytesIO()
+    np.savez(file, returns=np.array([content], dtype=object), draws=np.array([content], dtype=object))
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("write", [pickle.dumps, objects])
+def test_a_checkpoint_that_holds_code_does_not_run_it(
+    write: Callable[[object], bytes], tmp_path: Path
+) -> None:
+    class Touches:
+        def __reduce__(self) -> tuple[Callable[[Path], None], tuple[Path]]:
+            return Path.touch, (tmp_path / "touched",)
+
+    alone(search(), noisy_sphere, 2, tmp_path / "search")
+    for checkpoint in (tmp_path / "search").iterdir():
+        checkpoint.write_bytes(write(Touches()))
+    alone(search(), noisy_sphere, 3, tmp_path / "search")
+    assert not (tmp_path / "touched").exists()
+
+
+def test_a_damaged_checkpoint_is_passed_over_with_a_word(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whatever happens to a checkpoint, the search ends with the undisturbed one's bytes."""
+    whole = alone(search(), noisy_sphere, 6, tmp_path / "whole")
+    alone(search(), noisy_sphere, 3, tmp_path / "parts")
+    (checkpoint,) = (tmp_path / "parts").iterdir()
+    good = checkpoint.read_bytes()
+    for damaged in (b"", good[: len(good) // 2], b"junk", flipped(good, 4 * len(good))):
+        checkpoint.write_bytes(damaged)
+        ended = alone(search(), noisy_sphere, 6, tmp_path / "parts")
+        assert "is damaged" in capsys.readouterr().out
+        assert ended.incumbent.tobytes() == whole.incumbent.tobytes()
+        assert ended.curve == whole.curve
+        checkpoint.unlink()
 
 
 def test_a_search_ends_with_the_same_bytes_alone_and_beside_others(tmp_path: Path) -> None:

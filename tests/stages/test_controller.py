@@ -143,7 +143,7 @@ def test_killed_it_continues_to_the_same_bytes(workplace: Path) -> None:
     assert start("undisturbed").wait(timeout=300) == 0
     expected = [(workplace / name).read_bytes() for name in ("controller/repeat_0.npz", "curve.csv")]
     process = start("disturbed")
-    while not list((workplace / "disturbed").rglob("search.pickle")):
+    while not list((workplace / "disturbed").rglob("search.npz")):
         assert process.poll() is None
         time.sleep(0.01)
     process.send_signal(signal.SIGKILL)
