@@ -32,11 +32,10 @@ def encode_repeat(store: zarrs.Store, repeat: int, vae: Path, place: Compute) ->
     """The scratch folder of a repeat's finished latents."""
     weights = vae / f"repeat_{repeat}.pt"
     network = load_vae(weights)
-    attributes = {name: value for name, value in store.attributes.items() if name != "format"}
 
     def make(results: Path, running: Path) -> None:
         arrays = encode(store, repeat, Encoder(network, place))
-        zarrs.write(results / REPEAT, zarrs.LATENTS, arrays, attributes)
+        zarrs.write(results / REPEAT, zarrs.LATENTS, arrays, store.attributes)
 
     inputs = digest_files([store.place(repeat), weights])
     decides: dict[str, Any] = {"inputs": inputs, "code": code_digest(*CODE), "machine": place.facts()}

@@ -2,69 +2,30 @@
 
 A store is a folder with the groups ``repeat_0.zarr``, ``repeat_1.zarr``, …, so that it grows by a repeat
 without a change of the others. A shard holds many episodes, so a repeat is a few files and DVC stays fast.
-Directory stores are byte-identical between identical runs (a ``ZipStore`` is not).
+Directory stores are byte-identical between identical runs (a ``ZipStore`` is not). Damage is told: chunks
+carry Zstandard's checksum, shards' indices Zarr's, and a hash of the metadata stands beside the attributes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import zarr
+from zarr.codecs import ZstdCodec
 
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.layouts import FRAMES, LATENTS, ROLLOUTS, Column, Schema
 from pipeline.contract.parts import InParts, parts
+from pipeline.contract.zarr_checks import check_shapes, metadata_digest
 
-FORMAT = 2
+__all__ = ["FRAMES", "LATENTS", "ROLLOUTS", "Column", "Schema", "Store", "place", "write"]
+
+FORMAT = 3
 SHARD_BYTES = 256 * 2**20  # an upper bound on a shard, far above quick's, for the paper budget
-
-
-@dataclass(frozen=True)
-class Column:
-    """One named array of a store.
-
-    Attributes:
-        dims: axis names; the first is ``episode``.
-        dtype: NumPy dtype name.
-        unit: physical unit, or what the numbers are.
-    """
-
-    dims: tuple[str, ...]
-    dtype: str
-    unit: str
-
-
-Schema = Mapping[str, Column]
-
-_EPISODE = ("episode",)
-_FRAME = ("episode", "frame")
-
-ROLLOUTS: Schema = {
-    "qpos": Column((*_FRAME, "coordinate"), "float32", "MuJoCo generalised positions (rad, m)"),
-    "tip": Column((*_FRAME, "xyz"), "float32", "m, world frame, before the action"),
-    "action": Column((*_FRAME, "axis"), "float32", "share of the largest displacement, -1 to 1"),
-    "reward": Column(_FRAME, "float32", "m, eq. (1), after the action"),
-    "target": Column((*_EPISODE, "xyz"), "float32", "m, world frame"),
-}
-FRAMES: Schema = {
-    "rgb": Column((*_FRAME, "row", "column", "channel"), "uint8", "sRGB, 0 to 255"),
-    "tip": ROLLOUTS["tip"],
-    "action": ROLLOUTS["action"],
-    "reward": ROLLOUTS["reward"],
-    "target": ROLLOUTS["target"],
-    "target_pixels": Column(_FRAME, "int32", "pixels in which the target is seen"),
-    "target_pixels_free": Column(_EPISODE, "int32", "the same, were nothing in front of it"),
-}
-LATENTS: Schema = {
-    "mean": Column((*_FRAME, "latent"), "float32", "posterior mean of z"),
-    "log_variance": Column((*_FRAME, "latent"), "float32", "posterior log variance of z"),
-    "action": ROLLOUTS["action"],
-    "reward": ROLLOUTS["reward"],
-}
 
 
 def place(folder: Path, repeat: int) -> Path:
@@ -83,9 +44,9 @@ def write(
         arrays: one array per column of the schema; shapes must agree on shared axis names.
         attributes: JSON-able facts that all repeats of a store share (scene, viewpoint, versions, …).
     """
-    _check_shapes(path, schema, {name: a.shape for name, a in arrays.items()})
+    _check_axes(path, schema, arrays)
     with writing(Path(path)) as aside:
-        group = zarr.create_group(str(aside), attributes={**attributes, "format": FORMAT})
+        group = zarr.create_group(str(aside))
         for name in sorted(schema, key=lambda name: not isinstance(arrays[name], InParts)):
             column, array = schema[name], arrays[name]
             chunks, shards = _layout(array.shape, np.dtype(column.dtype).itemsize)
@@ -95,11 +56,15 @@ def write(
                 dtype=column.dtype,
                 chunks=chunks,
                 shards=shards,
+                compressors=ZstdCodec(level=0, checksum=True),
                 dimension_names=column.dims,
                 attributes={"unit": column.unit},
+                config={"write_empty_chunks": True},  # or zeros would be as if data were lacking
             )
             for place, part in parts(array, shards[0]):
                 stored[place] = np.ascontiguousarray(part, dtype=column.dtype)
+        digest = metadata_digest(aside, attributes)
+        group.attrs.update({**attributes, "format": FORMAT, "metadata_digest": digest})
 
 
 def _layout(shape: tuple[int, ...], item_bytes: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -127,7 +92,7 @@ class Store:
         self._groups = [self._open(repeat, schema) for repeat in range(found)]
         if not self._groups:
             raise self._broken("it has no repeat_0.zarr")
-        self.attributes: dict[str, Any] = dict(self._groups[0].attrs)
+        self.attributes = _facts(self._groups[0])
 
     @property
     def repeats(self) -> int:
@@ -175,14 +140,19 @@ class Store:
             raise self._broken(f"{path.name} is no Zarr v3 group ({type(error).__name__})") from None
         if group.attrs.get("format") != FORMAT:
             raise self._broken(f"the format of {path.name} is {group.attrs.get('format')!r}, not {FORMAT}")
-        missing = [name for name in schema if not isinstance(group.get(name), zarr.Array)]
+        try:
+            arrays: dict[str, Any] = {name: group.get(name) for name in schema}
+        except Exception as error:  # as above
+            raise self._broken(f"the arrays of {path.name} cannot be read ({type(error).__name__})") from None
+        missing = [name for name, array in arrays.items() if not isinstance(array, zarr.Array)]
         if missing:
             raise self._broken(f"{path.name} has no array {', '.join(missing)}")
-        arrays: dict[str, Any] = {name: group[name] for name in schema}
+        if group.attrs.get("metadata_digest") != metadata_digest(path, _facts(group)):
+            raise self._broken(f"the metadata of {path.name} are not as they were written")
         for name, column in schema.items():
             if str(arrays[name].dtype) != column.dtype:
                 raise self._broken(f"array {name} is {arrays[name].dtype}, not {column.dtype}")
-        _check_shapes(path, schema, {name: array.shape for name, array in arrays.items()})
+        _check_axes(path, schema, arrays)
         return group
 
     def _array(self, name: str, repeat: int) -> Any:
@@ -200,18 +170,11 @@ class Store:
         )
 
 
-def _check_shapes(path: Path, schema: Schema, shapes: Mapping[str, tuple[int, ...]]) -> None:
-    sizes: dict[str, tuple[int, str]] = {}
-    for name, column in schema.items():
-        if name not in shapes:
-            raise BelvedereError(f"{path}: array {name} is missing.")
-        if len(shapes[name]) != len(column.dims):
-            raise BelvedereError(
-                f"{path}: array {name} has shape {shapes[name]}; its axes are {column.dims}."
-            )
-        for dim, size in zip(column.dims, shapes[name], strict=True):
-            known, owner = sizes.setdefault(dim, (size, name))
-            if known != size:
-                raise BelvedereError(
-                    f"{path}: axis {dim} is {size} long in array {name} but {known} in {owner}."
-                )
+def _facts(group: zarr.Group) -> dict[str, Any]:
+    """The attributes that :func:`write` was given."""
+    return {name: value for name, value in group.attrs.items() if name not in ("format", "metadata_digest")}
+
+
+def _check_axes(path: Path, schema: Schema, arrays: Mapping[str, Any]) -> None:
+    axes = {name: column.dims for name, column in schema.items()}
+    check_shapes(path, axes, {name: array.shape for name, array in arrays.items()})

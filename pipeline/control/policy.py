@@ -9,6 +9,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from pipeline.contract.archives import read_whole
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
 from pipeline.worldmodel.mdnrnn import UNITS
@@ -79,7 +80,7 @@ def load_controller(path: Path, actions: int) -> np.ndarray:
     if not Path(path).is_file():
         raise BelvedereError(f"{path} is missing; `dvc repro controller` makes it.")
     try:
-        with np.load(path, allow_pickle=False) as arrays:
+        with np.load(read_whole(path), allow_pickle=False) as arrays:
             rows = np.concatenate([arrays["weight"], arrays["bias"][:, None]], axis=1)
     except Exception as error:  # numpy raises many types on a truncated or foreign file
         raise BelvedereError(

@@ -9,6 +9,7 @@ from typing import Any
 
 import torch
 
+from pipeline.contract.archives import read_whole
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
 
@@ -30,12 +31,12 @@ def load(path: Path, made_by: str) -> dict[str, Any]:
         made_by: the stage that writes it, named when it is missing or foreign.
 
     Raises:
-        BelvedereError: the file is missing, cut short or something else.
+        BelvedereError: the file is missing, damaged or something else.
     """
     if not Path(path).is_file():
         raise BelvedereError(f"{path} is missing; `dvc repro {made_by}` makes it.")
     try:
-        content = torch.load(path, map_location="cpu", weights_only=True)
+        content = torch.load(read_whole(path), map_location="cpu", weights_only=True)
     except Exception as error:  # torch raises many types on a truncated or foreign file
         raise BelvedereError(
             f"{path} cannot be read ({type(error).__name__}); delete it and run `dvc repro {made_by}`."

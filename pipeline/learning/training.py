@@ -93,7 +93,7 @@ def train(
         schedule: learning rate and plateau rule (paper, section IV-B).
         generator: the only source of randomness.
         running: folder for the running checkpoint; a checkpoint found there is continued, and the
-            result is the same to the last bit as without interruption.
+            result is the same to the last bit as without interruption. A damaged one is passed over.
         what: the progress bar's words.
 
     Raises:
@@ -103,7 +103,7 @@ def train(
     optimizer = torch.optim.Adam(model.parameters(), lr=schedule.learning_rate, fused=True)
     plateau, best = Plateau(), copy.deepcopy(model.state_dict())
     if checkpoint.is_file():
-        plateau, best = _restore(checkpoint, problem, optimizer, generator)
+        plateau, best = _continued(checkpoint, problem, optimizer, generator)
     saved_s = time.monotonic()
     with Progress(problem.epochs, what, initial=plateau.epoch) as progress:
         while not plateau.finished(schedule, problem.epochs):
@@ -113,7 +113,7 @@ def train(
                 best = copy.deepcopy(model.state_dict())
             progress.advance(loss=f"{losses[0]:.4g}", heldout=f"{losses[1]:.4g}")
             if time.monotonic() - saved_s > CHECKPOINT_EVERY_S:
-                _save(checkpoint, problem, optimizer, generator, plateau, best)
+                checkpoints.save(checkpoint, _state(problem, optimizer, generator, plateau, best))
                 saved_s = time.monotonic()
     model.load_state_dict(best)
     return plateau
@@ -164,28 +164,36 @@ def _refuse_not_finite(problem: Problem, schedule: Schedule, epoch: int, losses:
         )
 
 
-def _save(
-    path: Path,
+def _state(
     problem: Problem,
     optimizer: torch.optim.Optimizer,
     generator: torch.Generator,
     plateau: Plateau,
     best: dict[str, Any],
-) -> None:
-    state = {
+) -> dict[str, Any]:
+    return {
         "model": problem.model.state_dict(),
         "best": best,
         "optimizer": optimizer.state_dict(),
         "generator": generator.get_state(),
         "plateau": asdict(plateau),
     }
-    checkpoints.save(path, state)
+
+
+def _continued(
+    checkpoint: Path, problem: Problem, optimizer: torch.optim.Optimizer, generator: torch.Generator
+) -> tuple[Plateau, dict[str, Any]]:
+    begun = copy.deepcopy(_state(problem, optimizer, generator, Plateau(), problem.model.state_dict()))
+    try:
+        return _restore(checkpoints.load(checkpoint, problem.stage), problem, optimizer, generator)
+    except Exception as error:  # torch raises many types on a foreign state
+        print(f"{checkpoint} is damaged ({type(error).__name__}); the training begins anew.")
+        return _restore(begun, problem, optimizer, generator)
 
 
 def _restore(
-    path: Path, problem: Problem, optimizer: torch.optim.Optimizer, generator: torch.Generator
+    state: dict[str, Any], problem: Problem, optimizer: torch.optim.Optimizer, generator: torch.Generator
 ) -> tuple[Plateau, dict[str, Any]]:
-    state = checkpoints.load(path, problem.stage)
     problem.model.load_state_dict(state["model"])
     optimizer.load_state_dict(state["optimizer"])
     generator.set_state(state["generator"])

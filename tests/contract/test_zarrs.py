@@ -13,6 +13,7 @@ import pytest
 from pipeline.contract import zarrs
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.parts import InParts
+from tests.damage import flipped
 from tests.stores import write_store
 
 REPEATS, EPISODES, FRAMES = 2, 3, 4
@@ -199,6 +200,44 @@ def test_a_missing_shard_is_refused_rather_than_read_as_zeros(path: Path) -> Non
     shards(path, "qpos", 1)[0].unlink()
     with pytest.raises(BelvedereError, match=r"array qpos of repeat_1\.zarr lacks some of its data"):
         opened(path).repeat("qpos", 1)
+
+
+def test_zeros_come_back_though_zarr_leaves_them_out_by_itself(tmp_path: Path) -> None:
+    zeros = {name: np.zeros_like(array) for name, array in rollouts().items()}
+    write_store(tmp_path / "b.zarr", zarrs.ROLLOUTS, zeros, {})
+    for name, array in zeros.items():
+        np.testing.assert_array_equal(opened(tmp_path / "b.zarr").repeat(name, 1), array[1])
+
+
+@pytest.mark.parametrize("file", ["zarr.json", "qpos/zarr.json", "qpos/c/0/0/0", "target/c/0/0"])
+def test_each_flipped_bit_is_refused_or_changes_nothing(path: Path, file: str) -> None:
+    """Of metadata and numbers alike; what is refused is so in the words of a BelvedereError."""
+    damaged = zarrs.place(path, 1) / file
+    good, refused = damaged.read_bytes(), 0
+    bits = range(
+        0, 8 * len(good), 8 * len(good) // 100 + 1 | 1
+    )  # odd, so that each of a byte's bits has its turn
+    for bit in bits:
+        damaged.write_bytes(flipped(good, bit))
+        try:
+            store = opened(path)
+            found = {name: store.repeat(name, 1) for name in rollouts()}
+        except BelvedereError as error:
+            assert "dvc repro rollouts" in str(error)
+            refused += 1
+        else:
+            assert store.attributes == {"scene": "panda_2dof"}
+            for name, array in rollouts().items():
+                np.testing.assert_array_equal(found[name], array[1])
+    assert refused > 0.8 * len(bits)
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"junk", b"null", b"{}", b"[]", b"\xff"])
+@pytest.mark.parametrize("file", ["zarr.json", "tip/zarr.json"])
+def test_damaged_metadata_are_refused(path: Path, file: str, content: bytes) -> None:
+    (zarrs.place(path, 1) / file).write_bytes(content)
+    with pytest.raises(BelvedereError, match=r"cannot be used: .*repeat_1.*dvc repro rollouts"):
+        opened(path)
 
 
 def test_a_missing_array_is_refused(path: Path) -> None:

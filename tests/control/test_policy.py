@@ -8,6 +8,7 @@ import torch
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.control.policy import Controllers, hidden_weights, load_controller, parameters, save_controller
+from tests.damage import flipped
 
 ACTIONS = 2
 
@@ -56,3 +57,20 @@ def test_bad_files_are_told_in_a_sentence(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes()[:200])
     with pytest.raises(BelvedereError, match="cannot be read"):
         load_controller(path, ACTIONS)
+
+
+def test_each_flipped_bit_is_refused_or_changes_nothing(tmp_path: Path) -> None:
+    path, saved, refused = tmp_path / "repeat_0.npz", flat(1)[0], 0
+    save_controller(path, saved)
+    good = path.read_bytes()
+    bits = range(0, 8 * len(good), 101)
+    for bit in bits:
+        path.write_bytes(flipped(good, bit))
+        try:
+            found = load_controller(path, ACTIONS)
+        except BelvedereError as error:
+            assert "dvc repro controller" in str(error)
+            refused += 1
+        else:
+            np.testing.assert_array_equal(found, saved)
+    assert refused > 0.9 * len(bits)

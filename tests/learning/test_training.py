@@ -10,9 +10,10 @@ import torch
 from torch import Tensor, nn
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.learning import training
+from pipeline.learning import checkpoints, training
 from pipeline.learning.params import Schedule
 from pipeline.learning.training import Plateau, Problem, seeded, train
+from tests.damage import flipped
 
 SCHEDULE = Schedule(learning_rate=0.01, halve_after_epochs=2, stop_after_epochs=50)
 
@@ -62,6 +63,30 @@ def test_a_killed_training_continues_to_the_same_bits(
     continued = _problem()
     assert train(continued, SCHEDULE, seeded(7), running, "continued") == undisturbed
     assert torch.equal(_weights(continued), _weights(whole))
+
+
+@pytest.mark.parametrize("damage", ["empty", "half", "junk", "flipped", "another", "nothing in it"])
+def test_a_damaged_checkpoint_is_passed_over_with_a_word(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], damage: str
+) -> None:
+    whole = _problem()
+    undisturbed = train(whole, SCHEDULE, seeded(7), tmp_path, "whole")
+    monkeypatch.setattr(training, "CHECKPOINT_EVERY_S", -1.0)
+    with pytest.raises(_Killed):
+        train(_problem(killed_at=9), SCHEDULE, seeded(7), tmp_path, "killed")
+    checkpoint = tmp_path / "checkpoint.pt"
+    good = checkpoint.read_bytes()
+    half = len(good) // 2
+    if damage in ("another", "nothing in it"):
+        another = {"model": _problem().model.state_dict(), "best": {}, "optimizer": {}}
+        checkpoints.save(checkpoint, another if damage == "another" else {})
+    else:
+        ways = {"empty": b"", "half": good[:half], "junk": b"junk", "flipped": flipped(good, 8 * half)}
+        checkpoint.write_bytes(ways[damage])
+    anew = _problem()
+    assert train(anew, SCHEDULE, seeded(7), tmp_path, "the training") == undisturbed
+    assert torch.equal(_weights(anew), _weights(whole))
+    assert "the training begins anew" in capsys.readouterr().out
 
 
 def test_the_best_heldout_weights_are_kept(tmp_path: Path) -> None:
