@@ -49,10 +49,11 @@ def main(
     store = zarrs.Store(latents, zarrs.LATENTS, "latents")
     models = [(vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt") for r in range(store.repeats)]
     results = evolve_repeats(compiled, view, sizes, store, models)
+    table = curves(results)
     with writing(out) as folder:
         gather_controllers(results, folder)
     with writing(curve) as aside:
-        curves(results).write_csv(aside)
+        table.write_csv(aside)
 
 
 def evolve_repeats(

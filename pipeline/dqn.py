@@ -41,10 +41,11 @@ def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metric
     make = partial(train_repeat, compiled, view, method, sizes)
     results = in_processes(make, sizes.repeats if scene in method.scenes else 0)
     episodes = joined((r / "episodes.parquet" for r in results), EPISODES)
+    curves = joined((r / "curve.parquet" for r in results), CURVE)
     with writing(out) as aside:
         episodes.write_parquet(aside)
     with writing(curve) as aside:
-        joined((r / "curve.parquet" for r in results), CURVE).write_csv(aside)
+        curves.write_csv(aside)
     facts: dict[str, Any] = {"scene": scene, "theta_deg": theta, "phi_deg": phi, "trained": len(results)}
     facts |= {"replay_memory_bytes": memory_bytes(sizes), **means(episodes, _numbers)}
     write_json(metrics, {**facts, "made_with": made_with(place.facts())})

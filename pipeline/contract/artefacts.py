@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import glob
 import json
 import os
 import shutil
@@ -27,9 +28,10 @@ def writing(path: Path) -> Iterator[Path]:
         BelvedereError: the folder cannot be written to.
     """
     path = Path(path)
-    aside = path.with_name(f".{path.name}.{os.getpid()}.part")
+    aside = aside_of(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        remove_leftovers(path)
         _remove(aside)
     except OSError as error:
         raise _unwritable(path, error) from None
@@ -43,6 +45,29 @@ def writing(path: Path) -> Iterator[Path]:
         raise
     finally:
         _remove(aside)
+
+
+def aside_of(path: Path) -> Path:
+    """Where this process makes ``path`` before it is whole."""
+    return path.with_name(f".{path.name}.{os.getpid()}.part")
+
+
+def remove_leftovers(path: Path) -> None:
+    """Removes what processes left of ``path`` that were killed before it was whole."""
+    for left in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
+        process = left.name.split(".")[-2]
+        if process.isdigit() and not _is_alive(int(process)):
+            _remove(left)
+
+
+def _is_alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # somebody else's
+        return True
+    return True
 
 
 def _unwritable(path: Path, error: OSError) -> BelvedereError:

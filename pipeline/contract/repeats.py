@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.contract import scratch, zarrs
-from pipeline.contract.artefacts import read_json, write_json, writing
+from pipeline.contract.artefacts import aside_of, read_json, remove_leftovers, write_json, writing
+from pipeline.contract.manifest import mismatch, write_manifest
 
 PACKAGE = Path(__file__).resolve().parents[1]
 REPEAT = "repeat.zarr"  # of a store, in the folder of a repeat's results
@@ -66,6 +67,8 @@ def finished_together(
 ) -> list[Path]:
     """The folders of several repeats' results; those that the scratch store lacks are made in one go.
 
+    Results that are not what their manifest says count as lacking.
+
     Args:
         stage: the stage's name.
         decides: of each repeat, what decides its result.
@@ -81,20 +84,31 @@ def finished_together(
 
 
 def _make_missing(homes: Mapping[int, Path], make: Callable[[Mapping[int, Place]], None]) -> None:
-    missing = {repeat: home for repeat, home in homes.items() if not (home / "results").is_dir()}
-    places = {
-        r: Place(home / f".results.{os.getpid()}.part", home / "running") for r, home in missing.items()
-    }
-    for place in places.values():
+    missing = {repeat: home / "results" for repeat, home in homes.items() if not _is_whole(home / "results")}
+    places = {r: Place(aside_of(results), results.with_name("running")) for r, results in missing.items()}
+    for repeat, place in places.items():
+        remove_leftovers(missing[repeat])
         place.running.mkdir(exist_ok=True)
         shutil.rmtree(place.results, ignore_errors=True)
         place.results.mkdir()
     if places:
         make(places)
     for repeat, place in places.items():
-        place.results.replace(homes[repeat] / "results")
+        write_manifest(place.results)
+        shutil.rmtree(missing[repeat], ignore_errors=True)
+        place.results.replace(missing[repeat])
     for home in homes.values():
         shutil.rmtree(home / "running", ignore_errors=True)
+
+
+def _is_whole(results: Path) -> bool:
+    """Whether there are results as they were written; says so where they are not."""
+    if not results.is_dir():
+        return False
+    why = mismatch(results)
+    if why:
+        print(f"{results} is damaged ({why}); the repeat is made anew.")
+    return why is None
 
 
 def publish_store(out: Path, results: Sequence[Path]) -> None:
@@ -127,11 +141,12 @@ def publish(
         results: of each repeat, a folder with ``weights.pt`` and ``metrics.json``.
         stage: who does so.
     """
+    numbers = branch_metrics(attributes, [read_json(r / "metrics.json", stage) for r in results])
     with writing(out) as folder:
         folder.mkdir()
         for repeat, result in enumerate(results):
             shutil.copyfile(result / "weights.pt", folder / f"repeat_{repeat}.pt")
-    write_json(metrics, branch_metrics(attributes, [read_json(r / "metrics.json", stage) for r in results]))
+    write_json(metrics, numbers)
 
 
 def branch_metrics(attributes: Mapping[str, Any], repeats: Sequence[Mapping[str, float]]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 DVC deletes a stage's outputs before it runs the stage, so a stage that is killed, or that has to
 train one repeat more, would start from nothing. The scratch store keeps, per stage and repeat, a
 folder keyed by a hash of everything that decides the result: inputs, parameters, code and repeat.
+A finished repeat has a manifest of its files' hashes, to which it is held before it is used.
 It can be deleted at any time; only time is lost.
 """
 

@@ -7,12 +7,14 @@ import signal
 import subprocess
 import sys
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
 
+from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.repeats import Place, branch_metrics, code_digest, finished, finished_together
+from tests.damage import flipped
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -49,6 +51,65 @@ def test_a_repeat_that_broke_off_finds_its_checkpoint_and_leaves_no_result() -> 
     with pytest.raises(KeyboardInterrupt):
         finished("vae", 0, breaks, inputs="a")
     assert (finished("vae", 0, continues, inputs="a") / "weights.pt").read_text() == "so far"
+
+
+def write_two(results: Path, running: Path) -> None:
+    (results / "weights.pt").write_bytes(bytes(range(200)))
+    write_json(results / "store" / "metrics.json", {"loss": 1.0})
+
+
+DAMAGES: dict[str, Callable[[Path], object]] = {
+    "missing": Path.unlink,
+    "empty": lambda file: file.write_bytes(b""),
+    "cut in half": lambda file: file.write_bytes(file.read_bytes()[: file.stat().st_size // 2]),
+    "junk": lambda file: file.write_bytes(b"junk"),
+    "null": lambda file: file.write_bytes(b"null"),
+    "an empty object": lambda file: file.write_bytes(b"{}"),
+    "a flipped bit": lambda file: file.write_bytes(flipped(file.read_bytes(), 37)),
+    "one more beside it": lambda file: file.with_name("another").touch(),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_finished_results_that_are_not_as_they_were_written_are_made_anew(
+    damage: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each file that a repeat leaves, its manifest too."""
+    folder = finished("vae", 0, write_two, inputs="a")
+    whole = {f.relative_to(folder): f.read_bytes() for f in folder.rglob("*") if f.is_file()}
+    assert len(whole) == 3
+    for name in whole:
+        DAMAGES[damage](folder / name)
+        assert finished("vae", 0, write_two, inputs="a") == folder
+        assert {f.relative_to(folder): f.read_bytes() for f in folder.rglob("*") if f.is_file()} == whole
+        assert capsys.readouterr().out.count("the repeat is made anew") == 1
+    assert finished("vae", 0, write_two, inputs="a") == folder
+    assert capsys.readouterr().out == ""
+
+
+def test_what_a_killed_process_left_is_removed(tmp_path: Path) -> None:
+    script = textwrap.dedent("""
+        import os, signal, sys
+        from pathlib import Path
+        from pipeline.contract.artefacts import writing
+        from pipeline.contract.repeats import finished
+
+        def make(results, running):
+            (results / "weights.pt").write_text("half")
+            with writing(Path(sys.argv[1])) as aside:
+                aside.write_text("half")
+                os.kill(os.getpid(), signal.SIGKILL)
+
+        finished("vae", 0, make, inputs="a")
+    """)
+    output = tmp_path / "out" / "table.csv"
+    done = subprocess.run([sys.executable, "-c", script, str(output)], cwd=ROOT)
+    assert done.returncode == -signal.SIGKILL and list(output.parent.iterdir())
+    results = finished("vae", 0, write_two, inputs="a")
+    with writing(output) as aside:
+        aside.write_text("whole")
+    assert {path.name for path in results.parent.iterdir()} == {".lock", "results"}
+    assert list(output.parent.iterdir()) == [output]
 
 
 def test_only_the_repeats_that_are_missing_are_made_and_together() -> None:

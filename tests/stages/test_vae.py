@@ -63,6 +63,7 @@ def test_killed_and_continued_on_two_cores_it_ends_with_the_same_bytes(
     place.run("vae", *place.vae(frames))
     made = ("vae", "vae.json", "reconstructions.png")
     assert place.bytes_of(*made) == undisturbed.bytes_of(*made)
+    assert not list(tmp_path.glob(".scratch/vae/*/.results.*"))
 
 
 def test_more_repeats_train_only_the_added_ones(frames: Path, undisturbed: Workplace, tmp_path: Path) -> None:
@@ -84,6 +85,21 @@ def test_what_is_finished_is_not_trained_again(frames: Path, undisturbed: Workpl
     shutil.copytree(undisturbed.root / ".scratch", tmp_path / ".scratch")
     place.run("vae", *place.vae(frames), before=NO_TRAINING)
     assert place.bytes_of("vae") == undisturbed.bytes_of("vae")
+
+
+def test_after_damage_in_the_scratch_store_it_ends_with_the_same_bytes(
+    frames: Path, undisturbed: Workplace, tmp_path: Path
+) -> None:
+    place = Workplace(tmp_path)
+    place.write_params(vae_epochs=EPOCHS)
+    shutil.copytree(undisturbed.root / ".scratch", tmp_path / ".scratch")
+    lacking, cut = sorted(tmp_path.glob(".scratch/vae/*/results/weights.pt"))
+    lacking.unlink()
+    cut.write_bytes(cut.read_bytes()[: cut.stat().st_size // 2])
+    said = place.run("vae", *place.vae(frames))
+    assert said.count("weights.pt is not as it was written") == 2
+    made = ("vae", "vae.json", "reconstructions.png")
+    assert place.bytes_of(*made) == undisturbed.bytes_of(*made)
 
 
 def test_a_truncated_store_is_refused_and_nothing_written(frames: Path, tmp_path: Path) -> None:
