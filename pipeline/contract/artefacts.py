@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import glob
 import json
 import os
@@ -12,9 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from pipeline.contract.disks import unwritable
 from pipeline.contract.errors import BelvedereError
-
-_UNWRITABLE = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT)
 
 
 @contextmanager
@@ -25,7 +23,7 @@ def writing(path: Path) -> Iterator[Path]:
     ``path`` is left as it was.
 
     Raises:
-        BelvedereError: the folder cannot be written to.
+        BelvedereError: the folder cannot be written to, or its disk is full.
     """
     path = Path(path)
     aside = aside_of(path)
@@ -34,15 +32,18 @@ def writing(path: Path) -> Iterator[Path]:
         remove_leftovers(path)
         _remove(aside)
     except OSError as error:
-        raise _unwritable(path, error) from None
+        raise _told(path, str(error.strerror)) from None
     try:
         yield aside
         _remove(path)
         os.replace(aside, path)
-    except OSError as error:
-        if error.errno in _UNWRITABLE:
-            raise _unwritable(path, error) from None
+    except BelvedereError:
         raise
+    except Exception as error:
+        reason = unwritable(error)
+        if reason is None:
+            raise
+        raise _told(path, reason) from None
     finally:
         _remove(aside)
 
@@ -70,9 +71,9 @@ def _is_alive(process: int) -> bool:
     return True
 
 
-def _unwritable(path: Path, error: OSError) -> BelvedereError:
+def _told(path: Path, reason: str) -> BelvedereError:
     return BelvedereError(
-        f"cannot write {path} ({error.strerror}); {path.parent} has to be a writable folder with space."
+        f"cannot write {path} ({reason}); {path.parent} has to be a writable folder with space."
     )
 
 

@@ -21,6 +21,7 @@ from typing import NoReturn
 
 from pipeline.contract import scratch
 from pipeline.contract.artefacts import write_json
+from pipeline.contract.disks import cache_sentence, unwritable
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.lifetime import STAGE_VARIABLE
 from pipeline.contract.machine import cores, processor
@@ -45,7 +46,11 @@ def entry(main: Callable[..., None], argv: Sequence[str] | None = None) -> None:
         _leave(1)
     except KeyboardInterrupt:
         _leave(130)
-    except Exception:
+    except Exception as error:
+        reason = unwritable(error)
+        if reason:
+            print(f"error: {cache_sentence(error, reason)}", file=sys.stderr)
+            _leave(1)
         if not _others_work():
             raise
         traceback.print_exc()
