@@ -12,6 +12,7 @@ import polars as pl
 
 from pipeline.contract import params
 from pipeline.contract.artefacts import write_json, writing
+from pipeline.contract.declared import check_viewpoints
 from pipeline.contract.errors import unknown
 from pipeline.contract.stage import entry
 from pipeline.stats import content
@@ -33,6 +34,7 @@ MIX_VARIABLE = "BELVEDERE_MIX"  # an environment variable: where a result was ma
 
 def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, table: Path) -> None:
     """Reads the branches' evaluations in folder ``branches``; writes ``out`` (JSON), ``table`` (CSV)."""
+    check_viewpoints()  # DVC takes no dvc.yaml as a dependency
     method = params.scene_section(RankingParams, "ranking", scene=scene)
     sizes = params.race(scene)
     rules = Rules(sizes.first, sizes.most, method.tolerance, tail(method.confidence, sizes.most))

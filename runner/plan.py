@@ -10,9 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-
-import yaml
 
 from pipeline.contract.allocation import ALLOCATION_FILE
 from pipeline.contract.errors import BelvedereError
@@ -77,13 +74,6 @@ def read_pipeline(targets: Sequence[str]) -> Pipeline:
         raise BelvedereError(f"DVC cannot plan the run: {error}") from None
     allocated = {stage for stage, paths in reads.items() if ALLOCATION_FILE.as_posix() in paths}
     return Pipeline(waits, changed, frozenset(allocated))
-
-
-def branches() -> frozenset[str]:
-    """The branches: what dvc.yaml repeats stages over by a map (a list of scenes is no map)."""
-    stages = yaml.safe_load(Path("dvc.yaml").read_text(encoding="utf-8"))["stages"].values()
-    maps = (stage["foreach"] for stage in stages if isinstance(stage.get("foreach"), dict))
-    return frozenset(key for each in maps for key in each)
 
 
 def jobs(pipeline: Pipeline, branches: Collection[str], place: int) -> list[Job]:

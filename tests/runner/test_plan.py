@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 import yaml
 
+from pipeline.contract.declared import branches
 from pipeline.contract.errors import BelvedereError
-from runner.plan import Job, Pipeline, branches, jobs, read_pipeline
+from runner.plan import Job, Pipeline, jobs, read_pipeline
 from tests.support import ROOT, Clone
 
 PARAMS = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))

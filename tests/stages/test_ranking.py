@@ -69,6 +69,11 @@ class Written:
 
     def write_params(self) -> None:
         Path("params.yaml").write_text(yaml.safe_dump(self.params, sort_keys=False))
+        self.repeat_over(["study", *(self.params["viewpoints"] or {})])
+
+    def repeat_over(self, keys: list[str]) -> None:
+        places = {key: "${viewpoint}" if key == "study" else f"${{viewpoints.{key}}}" for key in keys}
+        Path("dvc.yaml").write_text(yaml.safe_dump({"stages": {"evaluation": {"foreach": places}}}))
 
     def write(self, name: str, content: object) -> None:
         Path(name).parent.mkdir(parents=True, exist_ok=True)
@@ -188,6 +193,16 @@ def test_a_removed_viewpoint_disappears_though_its_file_stays(written: Written) 
     del written.params["viewpoints"]["reach-b"]
     written.write_params()
     assert set(written.rank()["viewpoints"]) == {"reach-a", "study"}
+
+
+@pytest.mark.parametrize("key", ["reach-b", "other-a"])
+def test_a_viewpoint_that_nothing_computes_is_not_ranked_from_its_last_result(
+    written: Written, key: str
+) -> None:
+    written.repeat_over([other for other in ("study", *written.params["viewpoints"]) if other != key])
+    with pytest.raises(BelvedereError, match=f"the viewpoint '{key}', but stage 'evaluation' of dvc.yaml"):
+        written.rank()
+    assert not Path("out").exists()
 
 
 @pytest.mark.parametrize(
