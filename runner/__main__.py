@@ -17,7 +17,7 @@ from pipeline.contract.machine import CORES_VARIABLE, cores
 from runner.dvc import read_faster
 from runner.lock import check_lock
 from runner.parameters import check_parameters
-from runner.plan import branches, read_pipeline
+from runner.plan import read_pipeline
 from runner.race import Race, allocate, soonest_answered
 from runner.schedule import DVC, Schedule
 from runner.words import announcement, answers

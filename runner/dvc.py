@@ -4,7 +4,8 @@ For every stage DVC parses params.yaml anew, and for every stage that ran dvc.lo
 whole, in pure Python: with some hundred stages that takes longer than some stages do. Here libyaml parses
 what is only read, and dvc.lock, in which there are no comments to keep, as DVC writes it alone. Of dvc.lock
 only what changed is written anew (:mod:`runner.lock`), and half of it is never there. The stages of
-branches are forked from one process (:mod:`runner.warm`). What comes out is the same as by `dvc`.
+branches are forked from one process (:mod:`runner.warm`). What comes out is the same as by `dvc`, but that
+with --allow-missing what a changed stage reads is made (:mod:`runner.missing`).
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ import yaml
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.yamls import parse
 from runner.lock import LOCK_FILE, check_lock, updated
+from runner.missing import make_missing, refuse_missing_in_queue
 from runner.parameters import check_parameters
 from runner.warm import STAGES, Warm
 
@@ -129,6 +131,8 @@ def main(arguments: list[str]) -> int:
     read_faster()
     write_faster()
     start_faster()
+    make_missing()
+    refuse_missing_in_queue()
     return int(command(arguments))
 
 

@@ -82,7 +82,7 @@ def clone_repository(root: Path) -> Clone:
     The committed results stay behind: a test makes its own.
     """
     for name in _files():
-        if name == "dvc.lock" or name.startswith("reports/"):
+        if name == "dvc.lock" or (name.startswith("reports/") and not name.endswith(".gitignore")):
             continue
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(ROOT / name, root / name)

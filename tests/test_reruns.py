@@ -145,9 +145,32 @@ def test_another_candidate_touches_its_branch_only(done: Clone) -> None:
     done.run("dvc", "checkout", "--quiet")
 
 
-def test_a_fresh_clone_computes_one_branch(done: Clone, tmp_path: Path) -> None:
+# What the stand-in of a stage writes does not depend on parameters: the stages after it do not change.
+MODELS = {f"{stage}@study" for stage in ("frames", "vae", "latents", "mdnrnn")}
+
+
+@pytest.mark.parametrize(
+    ("change", "target", "least", "most"),
+    [
+        ("viewpoint.phi=31", (), branch("study") | {"report"}, branch("study") | FAN_IN),
+        ("controller.sigma=0.05", ("evaluation@study",), MODELS | {"controller@study"}, set()),
+        ("mdnrnn.gradient_norm=2.0", ("evaluation@study",), MODELS, set()),
+    ],
+)
+def test_a_fresh_clone_computes_what_changed_and_what_that_reads(
+    done: Clone, tmp_path: Path, change: str, target: tuple[str, ...], least: set[str], most: set[str]
+) -> None:
     done.run("git", "clone", "--quiet", done.root, tmp_path / "fresh clone")
     fresh = Clone(tmp_path / "fresh clone")
     fresh.lend_environment()
-    there = exp_run(fresh, "--allow-missing", "-S", "viewpoint.phi=31")
-    assert branch("study") <= there <= branch("study") | FAN_IN
+    there = exp_run(fresh, "--allow-missing", "-S", change, *target)
+    drawn = {f"rollouts@{PARAMS['viewpoint']['scene']}"}
+    assert least | drawn <= there <= least | most | drawn
+
+
+def test_a_finer_answer_in_a_fresh_clone_runs_no_branch(done: Clone, tmp_path: Path) -> None:
+    done.run("git", "clone", "--quiet", done.root, tmp_path / "fresh clone")
+    fresh = Clone(tmp_path / "fresh clone")
+    fresh.lend_environment()
+    there = exp_run(fresh, "--allow-missing", "-S", "ranking.tolerance=0.02")
+    assert "report" in there and there <= FAN_IN

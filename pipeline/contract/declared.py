@@ -10,13 +10,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.viewpoints import STUDY
+from pipeline.contract.yamls import read_yaml
 
 PIPELINE_FILE = Path("dvc.yaml")
-STUDY = "study"  # the branch of the user's own viewpoint, `viewpoint` in params.yaml
 
 
 def branches(path: Path = PIPELINE_FILE) -> frozenset[str]:
@@ -66,10 +65,8 @@ def check_scenes(path: Path = PIPELINE_FILE, parameters: Path = params.PARAMS_FI
 def _repeated(path: Path, kind: type) -> dict[str, Any]:
     """By stage, what it is repeated over, of the stages that are repeated over a ``kind``."""
     try:
-        tree = yaml.safe_load(path.read_text(encoding="utf-8"))
+        tree = read_yaml(path)
     except FileNotFoundError:
         raise BelvedereError(f"{path} is missing; run this from the repository's root.") from None
-    except yaml.YAMLError as error:
-        raise BelvedereError(f"{path} is not valid YAML: {' '.join(str(error).split())}.") from None
     stages: Mapping[str, Any] = tree["stages"]
     return {name: s["foreach"] for name, s in stages.items() if isinstance(s.get("foreach"), kind)}
