@@ -19,6 +19,7 @@ from runner.lock import check_lock
 from runner.parameters import check_parameters
 from runner.plan import read_pipeline
 from runner.race import Race, allocate, soonest_answered
+from runner.rwlock import drop_damaged_rwlock
 from runner.schedule import DVC, Schedule
 from runner.words import announcement, answers
 
@@ -78,6 +79,7 @@ def race(slots: int, scenes: Sequence[str]) -> None:
         BelvedereError: a stage failed, or the scratch store cannot be written to.
     """
     read_faster()
+    drop_damaged_rwlock()
     allocation, logs = allocate(), scratch.root() / "logs"
     ordered = list(dict.fromkeys(scenes)) or soonest_answered(allocation)
     pipeline = read_pipeline([f"ranking@{scene}" for scene in ordered])

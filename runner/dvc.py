@@ -28,6 +28,7 @@ from pipeline.contract.yamls import parse
 from runner.lock import LOCK_FILE, check_lock, updated
 from runner.missing import make_missing, refuse_missing_in_queue
 from runner.parameters import check_parameters
+from runner.rwlock import drop_damaged_rwlock
 from runner.warm import STAGES, Warm
 
 
@@ -128,6 +129,7 @@ def main(arguments: list[str]) -> int:
     from dvc.cli import main as command
 
     check_first()
+    drop_damaged_rwlock()
     read_faster()
     write_faster()
     start_faster()
