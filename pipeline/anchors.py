@@ -16,6 +16,7 @@ from pipeline.control.anchors import expert, heading_for, nothing, play
 from pipeline.control.blind import TargetBlind
 from pipeline.control.outcomes import evaluation_episodes, made_with, means, outcomes
 from pipeline.control.params import EvaluationSizes
+from pipeline.sim.episodes import require_episodes
 from pipeline.sim.scene import load_scene
 from pipeline.sim.worlds import Worlds
 
@@ -25,8 +26,9 @@ COMPUTE = {"device": "cpu", "dtype": "float64"}  # MuJoCo's own; it is the same 
 def main(*, scene: str, out: Path, metrics: Path) -> None:
     """Writes each anchor's episodes, and its mean returns on the first repeats' evaluation episodes."""
     compiled = load_scene(scene)
-    target_blind = TargetBlind(compiled, seeds.generator(params.seed(), 0, Stream.BLIND))
     count = params.budget_section(EvaluationSizes, "evaluation", scene).episodes
+    require_episodes(compiled, count, "evaluation")
+    target_blind = TargetBlind(compiled, seeds.generator(params.seed(), 0, Stream.BLIND))
     worlds = Worlds(compiled, count, cores())
     table = pl.concat([judge(worlds, repeat, target_blind) for repeat in range(params.first_repeats(scene))])
     with writing(out) as aside:

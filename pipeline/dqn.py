@@ -18,10 +18,10 @@ from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.outcomes import evaluation_episodes, made_with, means
 from pipeline.control.params import EvaluationSizes
 from pipeline.learning.device import compute
-from pipeline.learning.side_by_side import in_processes
+from pipeline.learning.side_by_side import at_a_time, in_processes
 from pipeline.qlearning.actions import best_restricted_expert
-from pipeline.qlearning.judge import fit, memory_bytes
-from pipeline.qlearning.params import DqnParams, DqnSizes, dqn_sizes
+from pipeline.qlearning.judge import fit, memory_bytes, require_memory
+from pipeline.qlearning.params import DqnParams, DqnSizes, dqn_params
 from pipeline.qlearning.reach_env import ReachEnv
 from pipeline.qlearning.tables import CURVE, EPISODES, joined
 from pipeline.qlearning.trial import tried
@@ -36,10 +36,9 @@ def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metric
     """Writes every evaluation episode's outcome, the curves and the means; empty where none is trained."""
     compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
     refuse_hidden_targets(compiled, view)
-    method = params.section(DqnParams, "dqn")
-    sizes = dqn_sizes(method, scene)
-    make = partial(train_repeat, compiled, view, method, sizes)
-    results = in_processes(make, sizes.repeats if scene in method.scenes else 0)
+    method, sizes = dqn_params(scene)
+    require_memory(method, sizes, at_a_time(sizes.repeats))
+    results = in_processes(partial(train_repeat, compiled, view, method, sizes), sizes.repeats)
     episodes = joined((r / "episodes.parquet" for r in results), EPISODES)
     curves = joined((r / "curve.parquet" for r in results), CURVE)
     with writing(out) as aside:
@@ -60,8 +59,8 @@ def train_repeat(scene: Scene, view: Viewpoint, method: DqnParams, sizes: DqnSiz
         draws = seeds.generator(seed, repeat, Stream.DQN_EPISODES)
         expert = best_restricted_expert(scene, draw_episodes(scene, count, draws), cores())
         env = ReachEnv(scene, view, method.worlds, draws, cores())
-        network_seed = seeds.integer(seed, repeat, Stream.DQN)
-        trained = fit(env, method, sizes, place, network_seed, f"dqn, repeat {repeat}")
+        of_network = seeds.integer(seed, repeat, Stream.DQN)
+        trained = fit(env, method, sizes, place, of_network, f"dqn, repeat {repeat}")
         episodes = evaluation_episodes(scene, count, seed, repeat)
         table = tried(trained.model, expert, scene, view, episodes, repeat, cores())
         table.write_parquet(results / "episodes.parquet")

@@ -23,6 +23,7 @@ from pipeline.control.params import EvaluationSizes
 from pipeline.control.policy import load_controller
 from pipeline.control.trial import CLIP, OUTCOMES, numbers, try_out
 from pipeline.learning.device import Compute, compute
+from pipeline.sim.episodes import require_episodes
 from pipeline.sim.scene import Scene, load_scene
 
 CODE = ("contract", "control", "learning", "sim", "worldmodel", "evaluation.py")
@@ -60,6 +61,7 @@ def main(
 def evaluate(scene: Scene, view: Viewpoint, place: Compute, models: Sequence[Sequence[Path]]) -> list[Path]:
     """The scratch folders of the repeats' outcomes and clip; ``models``: VAE, MDN-RNN and controller."""
     count, seed = params.budget_section(EvaluationSizes, "evaluation", scene.name).episodes, params.seed()
+    require_episodes(scene, count, "evaluation", len(models))
 
     def make(places: Mapping[int, Place]) -> None:
         networks = [Networks.load(models[r][0], models[r][1], place) for r in places]

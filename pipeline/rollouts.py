@@ -14,6 +14,7 @@ from pipeline.contract.progress import Progress
 from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_store
 from pipeline.contract.scratch import digest_files
 from pipeline.contract.stage import entry
+from pipeline.sim.episodes import require_episodes
 from pipeline.sim.exploration import roll
 from pipeline.sim.params import ExplorationParams, RolloutSizes
 from pipeline.sim.scene import Scene, load_scene
@@ -29,6 +30,7 @@ def main(*, scene: str, out: Path, store: Path) -> None:
     the same however many repeats the scene has in ``store`` by now.
     """
     compiled = load_scene(scene)
+    require_episodes(compiled, params.budget_section(RolloutSizes, "rollouts", scene).episodes, "rollouts")
     results = [draw_repeat(compiled, repeat) for repeat in range(scene_repeats(scene))]
     publish_store(store, results)
     first = [result / REPEAT for result in results[: params.first_repeats(scene)]]

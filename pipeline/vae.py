@@ -17,10 +17,10 @@ from pipeline.contract.split import split_episodes
 from pipeline.contract.stage import entry
 from pipeline.learning import checkpoints
 from pipeline.learning.device import Compute, compute
-from pipeline.learning.side_by_side import side_by_side
+from pipeline.learning.side_by_side import at_a_time, side_by_side
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.params import VaeParams, VaeSizes
-from pipeline.worldmodel.pictures import read_pictures
+from pipeline.worldmodel.pictures import read_pictures, require_pictures
 from pipeline.worldmodel.probes import Labelled, label, probe
 from pipeline.worldmodel.reconstructions import write_reconstructions
 from pipeline.worldmodel.vae_training import fit
@@ -33,6 +33,8 @@ def main(*, frames: Path, out: Path, metrics: Path, picture: Path) -> None:
     """Writes ``out/repeat_{r}.pt``, the metrics, and repeat 0's held-out reconstructions."""
     store = zarrs.Store(frames, zarrs.FRAMES, "frames")
     place = compute()
+    sizes = params.budget_section(VaeSizes, "vae", str(store.attributes["scene"]))
+    require_pictures(store, sizes.frame_stride, at_a_time(store.repeats))
     results = side_by_side(lambda repeat: train_repeat(store, repeat, place), store.repeats)
     publish(out, metrics, store.attributes, results, "vae")
     with writing(picture) as aside:

@@ -19,13 +19,18 @@ Result = TypeVar("Result")
 _LOOK_EVERY_S = 0.5
 
 
+def at_a_time(repeats: int) -> int:
+    """How many of so many repeats are made at a time."""
+    return min(repeats, cores())
+
+
 def side_by_side(make: Callable[[int], Result], repeats: int) -> list[Result]:
     """``make(repeat)`` of each repeat, as many at a time as there are cores, each in one thread.
 
     Networks this small gain little from a second thread and repeats need nothing of each other; torch
     releases the interpreter's lock in its operations.
     """
-    pool = ThreadPoolExecutor(min(repeats, cores()), WORKER)
+    pool = ThreadPoolExecutor(at_a_time(repeats), WORKER)
     try:
         return _results([pool.submit(make, repeat) for repeat in range(repeats)])
     finally:  # after a failure or Ctrl-C nobody waits for the others
@@ -50,7 +55,7 @@ def in_processes(make: Callable[[int], Result], repeats: int) -> list[Result]:
     Raises:
         BelvedereError: a process was killed from outside.
     """
-    workers = min(repeats, cores())
+    workers = at_a_time(repeats)
     if workers <= 1:
         return [make(repeat) for repeat in range(repeats)]
     share = max(1, cores() // workers)

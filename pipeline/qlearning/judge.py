@@ -8,7 +8,9 @@ import polars as pl
 from stable_baselines3 import DQN
 from stable_baselines3.common.callbacks import BaseCallback
 
+from pipeline.contract import memory, params
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.machine import CORES_VARIABLE
 from pipeline.contract.progress import Progress
 from pipeline.learning.device import Compute
 from pipeline.qlearning.params import DqnParams, DqnSizes
@@ -21,6 +23,23 @@ _TRANSITION_BYTES = 2 * PICTURE_SIZE**2 * 3 + 8 + 4 + 4 + 4  # two pictures, act
 def memory_bytes(sizes: DqnSizes) -> int:
     """What the replay memory takes."""
     return sizes.memory * _TRANSITION_BYTES
+
+
+def require_memory(method: DqnParams, sizes: DqnSizes, at_a_time: int) -> None:
+    """Refuses a replay memory that the machine's memory does not hold, in so many trainings at a time.
+
+    Raises:
+        BelvedereError: it is too large.
+    """
+
+    def remedy(there: int) -> str:
+        calls = there // (at_a_time * _TRANSITION_BYTES * method.worlds)
+        fewer = f", and more where {CORES_VARIABLE}=1 trains one after the other" if at_a_time > 1 else ""
+        return f"at most {calls * method.worlds} fit{fewer}"
+
+    place = f"{params.PARAMS_FILE}: budgets.{params.budget()}.dqn.memory"
+    what = f"{place} = {sizes.memory} transitions, in {at_a_time} training(s) at a time,"
+    memory.require(at_a_time * memory_bytes(sizes), what, remedy)
 
 
 @dataclass(frozen=True)

@@ -72,12 +72,13 @@ class DqnSizes(Section):
         return self
 
 
-def dqn_sizes(method: DqnParams, scene: str) -> DqnSizes:
-    """The chosen budget's sizes in a scene.
+def dqn_params(scene: str) -> tuple[DqnParams, DqnSizes]:
+    """The method, and the chosen budget's sizes in a scene: no repeats where it is none of ``method.scenes``.
 
     Raises:
-        BelvedereError: a size is not valid, or not with so many worlds that act at a time.
+        BelvedereError: a value is not valid, or a size not with so many worlds that act at a time.
     """
+    method = params.section(DqnParams, "dqn")
     sizes = params.budget_section(DqnSizes, "dqn", scene)
     worlds = method.worlds
     for name in ("frames", "memory", "target_every"):
@@ -85,7 +86,7 @@ def dqn_sizes(method: DqnParams, scene: str) -> DqnSizes:
             raise _does_not_fit(name, sizes, worlds, f"a multiple of {worlds}")
     if worlds % sizes.frames_per_step:
         raise _does_not_fit("frames_per_step", sizes, worlds, f"a divisor of {worlds}")
-    return sizes
+    return method, sizes if scene in method.scenes else sizes.model_copy(update={"repeats": 0})
 
 
 def _does_not_fit(name: str, sizes: DqnSizes, worlds: int, valid: str) -> BelvedereError:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.contract import zarrs
+from pipeline.contract import memory, params, zarrs
 from pipeline.contract.parts import places
 
 _EPISODES = 8  # read at a time; while it reads, Zarr holds about three times as much
@@ -27,6 +29,25 @@ def read_pictures(store: zarrs.Store, repeat: int, episodes: np.ndarray, stride:
         at = slice(episodes[place.start], episodes[place.stop - 1] + 1)
         found[place] = store.episodes("rgb", repeat, at)[:, ::stride]
     return found.reshape(-1, *picture)
+
+
+def require_pictures(store: zarrs.Store, stride: int, at_a_time: int) -> None:
+    """Refuses to train on more pictures than fit into memory, as read and folded, of so many repeats.
+
+    Raises:
+        BelvedereError: they need more memory than there is.
+    """
+    episodes, frames, *picture = store.shape("rgb")
+    each = at_a_time * episodes * 2 * math.prod(picture)  # of every episode one picture
+
+    def remedy(there: int) -> str:
+        if each > there:
+            return "not one picture of each episode fits; lower rollouts.episodes"
+        return f"from {-(-frames // (there // each))} up it fits"
+
+    place = f"{params.PARAMS_FILE}: budgets.{params.budget()}.vae.frame_stride"
+    what = f"{place} = {stride}, of {episodes} episodes of {frames} frames, {at_a_time} repeat(s) at a time,"
+    memory.require(each * -(-frames // stride), what, remedy)
 
 
 def fold(pictures: np.ndarray | Tensor) -> Tensor:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,10 +15,10 @@ import yaml
 from stable_baselines3 import DQN
 
 from pipeline import dqn
-from pipeline.contract import params
+from pipeline.contract import memory
 from pipeline.contract.errors import BelvedereError
 from pipeline.qlearning import judge
-from pipeline.qlearning.params import DqnParams, dqn_sizes
+from pipeline.qlearning.params import dqn_params
 
 ROOT = Path(__file__).resolve().parents[2]
 OUTS = {"out": Path("e.parquet"), "curve": Path("curve.csv"), "metrics": Path("dqn.json")}
@@ -134,4 +135,31 @@ def test_the_sizes_of_every_budget_are_kept(workplace: Path, budget: str) -> Non
     tree = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
     (workplace / "params.yaml").write_text(yaml.safe_dump(tree | {"budget": budget}), encoding="utf-8")
     for scene in tree["scenes"]:
-        assert dqn_sizes(params.section(DqnParams, "dqn"), scene).memory
+        assert dqn_params(scene)[1].memory
+
+
+def test_a_replay_memory_that_no_machine_holds_is_refused_before_anything_is_made(
+    workplace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("BELVEDERE_CORES", "2")
+    write_params(workplace, repeats=3, changed={"frames": 16 * 10**11, "memory": 16 * 10**11})
+    said = r"dqn\.memory = 1600000000000 transitions, in 2 .* needs 73,\d\d\d,\d\d\d.* GiB .* at most \d+ fit"
+    with pytest.raises(BelvedereError, match=said):
+        dqn.main(**VIEW, **OUTS)
+    assert {path.name for path in workplace.iterdir()} == {"params.yaml"}
+
+
+def test_what_is_said_to_fit_fits_and_no_more(workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(memory, "available_bytes", lambda system: 10 * 2**20)
+
+    def asked(transitions: int) -> None:
+        write_params(workplace, repeats=3, changed={"frames": transitions, "memory": transitions})
+        judge.require_memory(*dqn_params("panda_1dof"), 2)
+
+    with pytest.raises(BelvedereError) as told:
+        asked(1600)
+    found = re.search(r"at most (\d+) fit", str(told.value))
+    assert found
+    asked(int(found[1]))
+    with pytest.raises(BelvedereError, match="BELVEDERE_CORES=1"):
+        asked(int(found[1]) + WORLDS)

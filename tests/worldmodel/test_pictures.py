@@ -9,8 +9,9 @@ import pytest
 import torch
 import torch.nn.functional as F
 
-from pipeline.contract import zarrs
-from pipeline.worldmodel.pictures import blocks, floats, fold, folded, read_pictures, unfold
+from pipeline.contract import memory, zarrs
+from pipeline.contract.errors import BelvedereError
+from pipeline.worldmodel.pictures import blocks, floats, fold, folded, read_pictures, require_pictures, unfold
 from tests.stores import random_frames
 
 BYTES = np.random.default_rng(1).integers(0, 256, (3, 64, 64, 3), dtype=np.uint8)
@@ -50,3 +51,14 @@ def test_what_is_read_is_every_so_manieth_picture(
     tracemalloc.stop()
     np.testing.assert_array_equal(found, whole)
     assert peak < whole.nbytes + store.repeat("rgb", 0).nbytes / 2
+
+
+def test_the_stride_that_is_said_to_fit_fits(store: zarrs.Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """100 episodes of 12 frames, two repeats at a time: 12 MiB hold two pictures of each episode, twice."""
+    monkeypatch.setattr(memory, "available_bytes", lambda system: 12 * 2**20)
+    with pytest.raises(BelvedereError, match=r"vae\.frame_stride = 5, .* 2 repeat.* from 6 up it fits"):
+        require_pictures(store, 5, 2)
+    require_pictures(store, 6, 2)
+    monkeypatch.setattr(memory, "available_bytes", lambda system: 2**20)
+    with pytest.raises(BelvedereError, match=r"lower rollouts\.episodes"):
+        require_pictures(store, 12, 2)
