@@ -13,7 +13,7 @@ from pipeline.reporting.page import Made, Reference, render
 from pipeline.reporting.provenance import revision
 from pipeline.reporting.results import read_coverage, read_results
 from pipeline.reporting.tables import Alignment, read
-from pipeline.reporting.tried import read_tried, tried_scenes
+from pipeline.reporting.tried import of_these_parameters, read_tried, tried_scenes
 
 
 def main(
@@ -42,7 +42,7 @@ def main(
         tables: folder of the page's tables as CSV and JSON.
     """
     scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
-    found = tried_scenes(read_tried(tried), scenes)
+    found = tried_scenes(of_these_parameters(read_tried(tried), tried), scenes)
     reference = Reference(read(Alignment, alignment, "alignment"), read_coverage(coverage), found)
     start = str(params.value("controller", "first"))
     made = Made(revision(), _parameters(), _random_frames(), start)

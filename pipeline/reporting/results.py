@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.reporting.rankings import Ranked, Ranking
-from pipeline.reporting.tables import Anchors, Evaluation, Mdnrnn, Table, Vae, read
+from pipeline.reporting.tables import Anchors, Evaluation, Mdnrnn, Table, Vae, read, read_of_view
 
 CURVE_COLUMNS = {
     "repeat": pl.Int64,
@@ -135,13 +135,14 @@ def _scene(name: str, rankings: Path, branches: Path, anchors: Path) -> SceneRes
 
 
 def _view(scene: str, key: str, ranked: Ranked, folder: Path) -> View:
+    angles = (ranked.theta_deg, ranked.phi_deg)
     return View(
         key=key,
         label=short(key, scene),
         ranked=ranked,
-        vae=read(Vae, folder / "vae.json", f"vae@{key}"),
-        mdnrnn=read(Mdnrnn, folder / "mdnrnn.json", f"mdnrnn@{key}"),
-        evaluation=read(Evaluation, folder / "evaluation.json", f"evaluation@{key}"),
+        vae=read_of_view(Vae, folder / "vae.json", f"vae@{key}", scene, angles),
+        mdnrnn=read_of_view(Mdnrnn, folder / "mdnrnn.json", f"mdnrnn@{key}", scene, angles),
+        evaluation=read_of_view(Evaluation, folder / "evaluation.json", f"evaluation@{key}", scene, angles),
         curve=_read_curve(folder / "controller.csv", f"controller@{key}"),
         dqn_curve=_read_dqn_curve(folder / "dqn.csv", f"dqn@{key}"),
     )

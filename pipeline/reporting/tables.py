@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError, computed_field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, computed_field
 
 from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError
@@ -87,7 +87,15 @@ class Anchors(Table):
     expert_within_2cm_share_mean: float
 
 
-class Vae(Table):
+class OfView(Table):
+    """Numbers of a branch, and the viewpoint that they were measured from (angles in degrees)."""
+
+    scene: str = Field(exclude=True)
+    theta_deg: float = Field(exclude=True)
+    phi_deg: float = Field(exclude=True)
+
+
+class Vae(OfView):
     """What a branch's first network saw and lost, ``vae.json``; errors of probes and guesses in metres."""
 
     reconstruction_error_mean: float
@@ -125,19 +133,39 @@ def _share(part: float, whole: float) -> float | None:
     return part / whole if whole else None
 
 
-class Mdnrnn(Table):
+class Mdnrnn(OfView):
     """How well a branch's second network foresees the next frame, ``mdnrnn.json``; means over latents."""
 
     heldout_nll_nats_per_latent_mean: float
     heldout_nll_of_last_frame_nats_per_latent_mean: float
 
 
-class Evaluation(Table):
+class Evaluation(OfView):
     """What a branch's incumbent reached, ``evaluation.json``."""
 
     final_distance_m_mean: float
     within_2cm_share_mean: float
     within_5cm_share_mean: float
+
+
+ViewT = TypeVar("ViewT", bound=OfView)
+
+
+def read_of_view(
+    table: type[ViewT], path: Path, made_by: str, scene: str, angles_deg: tuple[float, float]
+) -> ViewT:
+    """Reads one table of a viewpoint, as :func:`read` does.
+
+    Raises:
+        BelvedereError: it is of another viewpoint, besides.
+    """
+    found = read(table, path, made_by)
+    if (found.scene, found.theta_deg, found.phi_deg) != (scene, *angles_deg):
+        raise BelvedereError(
+            f"{path} is of {(found.scene, found.theta_deg, found.phi_deg)}, but the ranking's viewpoint is "
+            f"{(scene, *angles_deg)}; run `dvc repro {made_by} ranking@{scene}`."
+        )
+    return found
 
 
 def read(table: type[TableT], path: Path, made_by: str) -> TableT:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +14,7 @@ import matplotlib
 import polars as pl
 from markupsafe import Markup
 
+from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError
 from pipeline.reporting import numbers
 from pipeline.reporting.results import SceneResults
@@ -27,6 +31,7 @@ COLUMNS: dict[str, Any] = {
     "theta_deg": pl.Float64,
     "phi_deg": pl.Float64,
     "budget": pl.String,
+    "parameters": pl.String,
     "repeat": pl.Int64,
     "return": pl.Float64,
     "score": pl.Float64,
@@ -65,6 +70,45 @@ def read_tried(path: Path) -> pl.DataFrame:
             f"{path} is missing or holds no table of viewpoints tried; "
             f"`python -m pipeline.reporting.gather --out {path}` makes it."
         ) from None
+
+
+def parameters_digest(scene: str) -> str:
+    """A hash of what decides a viewpoint's result in a scene, but for the viewpoint and its repeats."""
+    sized = ("rollouts", "vae", "mdnrnn", "controller", "evaluation")
+    sizes = params.value("budgets")[params.budget()]
+    decides = [
+        params.seed(),
+        params.heldout_share(),
+        params.sight_share(),
+        params.first_repeats(scene),
+        {name: sizes.get(name) for name in sized},
+        params.value("rollouts"),
+        params.value("vae"),
+        params.value("mdnrnn"),
+        params.value("controller"),
+        params.value("scenes")[scene],
+    ]
+    return hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def of_these_parameters(table: pl.DataFrame, path: Path) -> pl.DataFrame:
+    """The rows that were gathered with the parameters as they are; says which are not.
+
+    Args:
+        table: the content of ``path``.
+        path: the file, to be named.
+    """
+    now = {scene: parameters_digest(scene) for scene in params.value("scenes")}
+    fits = [row["parameters"] == now.get(row["scene"]) for row in table.to_dicts()]
+    kept = table.filter(pl.Series(fits, dtype=pl.Boolean))
+    others = sorted(set(table["experiment"]) - set(kept["experiment"]))
+    if others:
+        print(
+            f"left out of the page: {', '.join(others)} in {path}, gathered with other parameters than "
+            f"{params.PARAMS_FILE} has now; `python -m pipeline.reporting.gather --out {path}` gathers anew",
+            file=sys.stderr,
+        )
+    return kept
 
 
 def tried_scenes(table: pl.DataFrame, scenes: Sequence[SceneResults]) -> list[TriedScene]:

@@ -19,11 +19,13 @@ from pipeline.stats.reading import (
     COMPARED_WITH_ANCHORS,
     by_repeat,
     check_made_alike,
+    check_viewpoint,
     foreign,
     made_with,
 )
 
 ANCHORS = ("no_op", "blind", "expert")
+_BESIDE = ("geometry", "vae", "dqn")  # whose numbers stand in a ranking, too
 
 
 @dataclass(frozen=True)
@@ -142,10 +144,11 @@ def read_results(
 def _read_branch(file: Path, key: str, branch: Viewpoint) -> tuple[np.ndarray, dict[str, Any]]:
     made_by = f"evaluation@{key}"
     content = read_json(file, made_by)
-    found = tuple(content.get(name) for name in ("scene", "theta_deg", "phi_deg"))
     meant = (branch.scene, branch.theta, branch.phi)
-    if found != meant:
-        raise foreign(file, f"it is of {found}, but params.yaml says {meant}", made_by)
+    check_viewpoint(file, content, meant, made_by)
+    for stage in _BESIDE:
+        if (other := file.with_name(f"{stage}.json")).is_file():
+            check_viewpoint(other, read_json(other, f"{stage}@{key}"), meant, f"{stage}@{key}")
     return by_repeat(file, content, ("return",), made_by)[:, 0], made_with(file, content, made_by)
 
 

@@ -37,6 +37,25 @@ def by_repeat(file: Path, content: Mapping[str, Any], names: tuple[str, ...], ma
     return np.array([table[repeat] for repeat in range(count)])
 
 
+def check_viewpoint(
+    file: Path, content: Mapping[str, Any], meant: tuple[str, float, float], made_by: str
+) -> None:
+    """Refuses a file of another viewpoint.
+
+    Args:
+        file: of which ``content`` is the content.
+        content: with ``scene``, ``theta_deg`` and ``phi_deg``.
+        meant: the same three of params.yaml.
+        made_by: the stage that writes the file.
+
+    Raises:
+        BelvedereError: it is of another, or does not say.
+    """
+    found = tuple(content.get(name) for name in ("scene", "theta_deg", "phi_deg"))
+    if found != meant:
+        raise foreign(file, f"it is of {found}, but params.yaml says {meant}", made_by)
+
+
 def made_with(file: Path, content: Mapping[str, Any], made_by: str) -> dict[str, Any]:
     """What a file was made with.
 

@@ -94,7 +94,11 @@ def _write_params(folder: Path, scenes: Mapping[str, Angles]) -> None:
         "budget": "quick",
         "seed": 1,
         "heldout_share": 0.1,
+        "sight_share": 0.5,
         "controller": {"first": "rewards"},
+        "rollouts": {},
+        "vae": {},
+        "mdnrnn": {},
         "scenes": {scene: {"frames": 50} for scene in scenes},
         "budgets": {"quick": sizes},
     }

@@ -60,12 +60,12 @@ class Written:
             {key: place}
         )
         repeats = [{"repeat": r, "return": value} for r, value in enumerate(returns)]
-        content = {"scene": "reach", "theta_deg": float(theta), "phi_deg": float(phi), "repeats": repeats}
-        self.write(f"branches/{key}/evaluation.json", {**content, "made_with": MADE_WITH})
+        view = {"scene": "reach", "theta_deg": float(theta), "phi_deg": float(phi)}
+        self.write(f"branches/{key}/evaluation.json", {**view, "repeats": repeats, "made_with": MADE_WITH})
         for stage in ("geometry", "vae"):
             numbers = {b.entry: abs(theta - phi) + 1.0 for b in BASELINES if b.stage == stage}
             probes = [{"repeat": r, **PROBES} for r in range(len(returns))]
-            self.write(f"branches/{key}/{stage}.json", {**numbers, "repeats": probes})
+            self.write(f"branches/{key}/{stage}.json", {**view, **numbers, "repeats": probes})
 
     def write_params(self) -> None:
         Path("params.yaml").write_text(yaml.safe_dump(self.params, sort_keys=False))
@@ -285,6 +285,19 @@ BAD: dict[str, tuple[str, Callable[[dict[str, Any]], object], str]] = {
     "another scene": ("anchors.json", lambda c: c.update(scene="other"), "of scene 'other', not 'reach'"),
     "expert blind": ("anchors.json", lambda c: c["repeats"][2].update(expert=-8.0), "in repeat 2 the expert"),
 }
+
+
+@pytest.mark.parametrize("stage", ["geometry", "vae", "dqn"])
+def test_what_stands_beside_the_returns_is_of_the_same_viewpoint(written: Written, stage: str) -> None:
+    file = f"branches/study/{stage}.json"
+    content = json.loads(Path(file).read_text()) if stage != "dqn" else {"repeats": []}
+    written.write(file, content | {"scene": "reach", "theta_deg": 45.0, "phi_deg": 30.0})
+    with pytest.raises(
+        BelvedereError, match=rf"{stage}\.json cannot be used.*30\.0.*dvc repro {stage}@study"
+    ):
+        written.rank()
+    written.write(file, content | {"scene": "reach", "theta_deg": 45.0, "phi_deg": 15.0})
+    assert written.rank()["answer"]["kind"] == "alone"
 
 
 @pytest.mark.parametrize("case", BAD)

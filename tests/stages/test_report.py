@@ -20,7 +20,7 @@ from pipeline import report
 from pipeline.contract.artefacts import read_json, write_json
 from pipeline.contract.errors import BelvedereError
 from pipeline.reporting.numbers import at_most, interval
-from pipeline.reporting.tried import COLUMNS
+from pipeline.reporting.tried import COLUMNS, parameters_digest
 from tests.stages.report_page import FOLDERS, TABLES, Page, rows
 from tests.stages.report_page import build as build_page
 from tests.stages.report_study import VIEWS, write_pictures, write_study
@@ -183,10 +183,13 @@ def test_seconds_are_shown_where_they_were_recorded(html: str, build: Build) -> 
     assert "7777" not in html
 
 
-def test_viewpoints_that_experiments_tried_are_shown(html: str, build: Build) -> None:
+def test_viewpoints_that_experiments_tried_are_shown(
+    html: str, build: Build, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert 'id="tried"' not in html
+    digest = parameters_digest("panda_2dof")
     rows = [
-        (name, "panda_2dof", 45.0, phi, "quick", repeat, -2.0 - repeat, score + 0.05 * repeat)
+        (name, "panda_2dof", 45.0, phi, "quick", digest, repeat, -2.0 - repeat, score + 0.05 * repeat)
         for name, phi, score in (("low-sun", 30.0, 0.4), ("high-sun", 60.0, 0.7))
         for repeat in range(3)
     ]
@@ -197,8 +200,24 @@ def test_viewpoints_that_experiments_tried_are_shown(html: str, build: Build) ->
     assert table["score_mean"].to_list() == pytest.approx([0.75, 0.45])
     assert interval(table["score_low"][0], table["score_high"][0]) in page.text
     assert any("(45°, 60°) 0.75; (45°, 30°) 0.45" in label for label in page.values("aria-label"))
+    params = Path("params.yaml").read_text()
+    assert params.count("seed: 1\n") == 1
+    Path("params.yaml").write_text(params.replace("seed: 1\n", "seed: 2\n"))
+    assert 'id="tried"' not in build()  # of another seed than the page says
+    assert "left out of the page: high-sun, low-sun in data/tried.csv" in capsys.readouterr().err
     Path("data/tried.csv").write_text("a,b\n1,2\n")
     with pytest.raises(BelvedereError, match=r"pipeline\.reporting\.gather --out data/tried\.csv"):
+        build()
+
+
+@pytest.mark.parametrize("stage", ["vae", "mdnrnn", "evaluation"])
+def test_a_table_of_another_viewpoint_than_the_rankings_is_refused(build: Build, stage: str) -> None:
+    path = Path(f"reports/branches/panda_2dof/study/{stage}.json")
+    write_json(path, json.loads(path.read_text()) | {"phi_deg": 30.0})
+    message = (
+        rf"{stage}\.json is of \('panda_2dof', 45\.0, 30\.0\).*dvc repro {stage}@study ranking@panda_2dof"
+    )
+    with pytest.raises(BelvedereError, match=message):
         build()
 
 
