@@ -7,7 +7,7 @@ import sys
 
 from pipeline.contract.errors import BelvedereError
 
-_CHECK = (sys.executable, "-m", "pipeline.parameters")
+_CHECK = (sys.executable, "-m", "pipeline.checks.parameters")
 _TOLD = "error: "
 
 

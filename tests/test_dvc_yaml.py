@@ -45,7 +45,8 @@ def code_deps(stage: str) -> set[str]:
 def flags(stage: str) -> dict[str, str]:
     """The flags in a stage's command and their values."""
     words = re.sub(r"\$\{[^}]*\}", lambda match: match[0].replace(" ", ""), form(stage)["cmd"]).split()
-    return dict(zip(words[3::2], words[4::2], strict=True))
+    words = [part for word in words[3:] for part in word.split("=", 1)]
+    return dict(zip(words[::2], words[1::2], strict=True))
 
 
 @cache
@@ -74,6 +75,16 @@ def test_flags_are_those_of_main(stage: str) -> None:
     known = arguments(stage)
     required = {flag for flag, action in known.items() if action.required}
     assert required <= set(flags(stage)) <= set(known)
+
+
+@each_stage
+def test_a_small_negative_angle_is_passed_as_a_number(stage: str) -> None:
+    """YAML writes it as -1e-05, which after a space argparse takes for a flag."""
+    angles = {name for name in ("theta", "phi") if f"--{name}" in arguments(stage)}
+    command = re.sub(r"\$\{item\.(theta|phi)\}", "-1e-05", form(stage)["cmd"])
+    words = re.sub(r"\$\{[^}]*\}", "x", command).split()[3:]
+    given = vars(parser(importlib.import_module(f"pipeline.{stage}").main).parse_args(words))
+    assert {name for name in given if given[name] == -1e-05} == angles
 
 
 @each_stage

@@ -10,12 +10,12 @@ from typing import Any
 
 import dvc.api
 import polars as pl
-import yaml
 
 from pipeline.contract import params
 from pipeline.contract.artefacts import read_json, writing
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.stage import entry
+from pipeline.contract.yamls import parse, read_yaml
 from pipeline.reporting.experiments import Experiment, experiments, other_code, stale
 from pipeline.reporting.tried import COLUMNS, parameters_digest
 
@@ -54,7 +54,7 @@ def main(*, out: Path) -> None:
 
 def differs(tree: Mapping[str, Any]) -> str | None:
     """The first section, but for the viewpoint, in which parameters differ from the workspace's."""
-    here = yaml.safe_load(params.PARAMS_FILE.read_text(encoding="utf-8"))
+    here = read_yaml(params.PARAMS_FILE)
     names = [name for name in {**here, **tree} if name != _VIEWPOINT]
     return next((name for name in names if here.get(name) != tree.get(name)), None)
 
@@ -68,7 +68,7 @@ def _rows(experiment: Experiment) -> list[dict[str, Any]]:
     if experiment.unfinished:
         raise _LeftOut(f"is {experiment.unfinished}, so that it has no results of its own")
     revision = experiment.revision
-    tree = yaml.safe_load(dvc.api.read(params.PARAMS_FILE.as_posix(), rev=revision))
+    tree = parse(dvc.api.read(params.PARAMS_FILE.as_posix(), rev=revision))
     if other := differs(tree):
         raise _LeftOut(f"has another {other} in {params.PARAMS_FILE}")
     view = tree[_VIEWPOINT]

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from pipeline import parameters
+from pipeline.checks import parameters
 from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.yamls import read_yaml
