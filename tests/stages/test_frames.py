@@ -15,7 +15,7 @@ from pipeline import frames, rollouts
 from pipeline.contract import params, zarrs
 from pipeline.contract.allocation import Allocation, Entry, write_allocation
 from pipeline.contract.errors import BelvedereError
-from pipeline.sim.camera import viewpoint
+from pipeline.contract.viewpoints import viewpoint
 from pipeline.sim.scene import load_scene
 
 ROOT = Path(__file__).resolve().parents[2]
