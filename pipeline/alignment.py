@@ -5,22 +5,22 @@ from __future__ import annotations
 from dataclasses import asdict
 from pathlib import Path
 
-import polars as pl
 from pydantic import ValidationError
 
 from pipeline.contract import params
-from pipeline.contract.artefacts import read_json, write_json
+from pipeline.contract.artefacts import write_json
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.stage import entry
-from pipeline.stats.alignment import Trial, agreements, compare
+from pipeline.contract.tables import read_model, read_rows
+from pipeline.stats.alignment import Ranking, Trial, agreements, compare
 
 
 def main(*, subjects: Path, rankings: Path, out: Path) -> None:
     """Reads people's trials and the folder of rankings; writes each task's comparison and the agreement."""
     trials = read_trials(subjects)
     found = {scene: rankings / f"{scene}.json" for scene in params.value("scenes")}
-    contents = {s: read_json(path, f"ranking@{s}") for s, path in found.items() if path.is_file()}
-    compared = compare(trials, contents)
+    ranked = {s: read_model(Ranking, path, f"ranking@{s}") for s, path in found.items() if path.is_file()}
+    compared = compare(trials, ranked)
     counted = [asdict(found) for found in agreements(compared)]
     write_json(out, {"trials": [row.model_dump() for row in compared], "agreements": counted})
 
@@ -31,15 +31,17 @@ def read_trials(path: Path) -> list[Trial]:
     Raises:
         BelvedereError: the file is missing, or a row is not valid.
     """
-    if not path.is_file():
-        raise BelvedereError(f"{path} is missing; it is part of the repository: `git checkout {path}`.")
+    what, remedy = "table of trials", f"it is part of the repository: `git checkout {path}`"
     try:
-        return [Trial.model_validate(row) for row in pl.read_csv(path, comment_prefix="#").to_dicts()]
-    except (pl.exceptions.PolarsError, ValidationError) as error:
-        reason = error.errors()[0] if isinstance(error, ValidationError) else error
+        trials = [Trial.model_validate(row) for row in read_rows(path, Trial.model_fields, what, remedy)]
+    except ValidationError as error:
+        first = error.errors()[0]
         raise BelvedereError(
-            f"{path} holds no table of trials: {' '.join(str(reason).split())[:200]}."
+            f"{path} holds no {what} ({first['loc'][0]} = {first['input']!r}: {first['msg']}); {remedy}."
         ) from None
+    if not trials:
+        raise BelvedereError(f"{path} holds no {what}; {remedy}.")
+    return trials
 
 
 if __name__ == "__main__":

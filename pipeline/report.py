@@ -8,11 +8,12 @@ from pipeline.contract import params
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import unknown
 from pipeline.contract.stage import entry
+from pipeline.contract.tables import read_model
 from pipeline.reporting import twins
 from pipeline.reporting.page import Made, Reference, render
 from pipeline.reporting.provenance import revision
 from pipeline.reporting.results import read_coverage, read_results
-from pipeline.reporting.tables import Alignment, read
+from pipeline.reporting.tables import Alignment
 from pipeline.reporting.tried import of_these_parameters, read_tried, tried_scenes
 
 
@@ -43,7 +44,7 @@ def main(
     """
     scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
     found = tried_scenes(of_these_parameters(read_tried(tried), tried), scenes)
-    reference = Reference(read(Alignment, alignment, "alignment"), read_coverage(coverage), found)
+    reference = Reference(read_model(Alignment, alignment, "alignment"), read_coverage(coverage), found)
     start = str(params.value("controller", "first"))
     made = Made(revision(), _parameters(), _random_frames(), start)
     page = render(scenes, missing, reference, pictures, made)

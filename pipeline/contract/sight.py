@@ -68,9 +68,10 @@ def read_sight(file: Path, key: str, first: int, share: float) -> Sight:
 
 def _errors(content: Mapping[str, Any], entry: str, first: int) -> tuple[float, float]:
     """Mean errors of probe and guess over the first repeats; NaN where one is lacking."""
-    rows = {row.get("repeat"): row for row in content.get("repeats", [])}
-    probe, guess = (
-        [rows.get(r, {}).get(f"{kind}_{entry}") for r in range(first)] for kind in ("probe_mlp", "guess")
-    )
-    means = [float(np.mean([np.nan if v is None else v for v in found])) for found in (probe, guess)]
-    return means[0], means[1]
+    names = (f"probe_mlp_{entry}", f"guess_{entry}")
+    try:
+        rows = {row["repeat"]: row for row in content["repeats"]}
+        probe, guess = (float(np.mean([float(rows[r][name]) for r in range(first)])) for name in names)
+    except (KeyError, TypeError, ValueError):
+        return np.nan, np.nan
+    return probe, guess

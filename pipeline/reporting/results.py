@@ -10,16 +10,10 @@ import polars as pl
 from pydantic import ValidationError
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.tables import read_model, read_rows
+from pipeline.reporting.curve_files import read_curve, read_dqn_curve
 from pipeline.reporting.rankings import Ranked, Ranking
-from pipeline.reporting.tables import Anchors, Evaluation, Mdnrnn, Table, Vae, read, read_of_view
-
-CURVE_COLUMNS = {
-    "repeat": pl.Int64,
-    "generation": pl.Int64,
-    "frames": pl.Int64,
-    "mean": pl.Float64,
-    "best": pl.Float64,
-}
+from pipeline.reporting.tables import Anchors, Evaluation, Mdnrnn, Table, Vae, read_of_view
 
 
 @dataclass(frozen=True)
@@ -88,13 +82,14 @@ def read_coverage(path: Path) -> list[Coverage]:
     Raises:
         BelvedereError: the file is missing or foreign.
     """
+    what, remedy = "table of simulated races", "`python -m benchmarks.coverage` makes it"
     try:
-        return [Coverage.model_validate(row) for row in pl.read_csv(path).to_dicts()]
-    except (FileNotFoundError, ValidationError, pl.exceptions.PolarsError):
-        raise BelvedereError(
-            f"{path} is missing or holds no table of simulated races; "
-            "`python -m benchmarks.coverage` makes it."
-        ) from None
+        rows = [Coverage.model_validate(r) for r in read_rows(path, Coverage.model_fields, what, remedy)]
+    except ValidationError as error:
+        raise BelvedereError(f"{path} holds no {what} ({error.errors()[0]['msg']}); {remedy}.") from None
+    if not rows:
+        raise BelvedereError(f"{path} holds no {what}; {remedy}.")
+    return rows
 
 
 def read_results(
@@ -119,7 +114,7 @@ def read_results(
 
 
 def _scene(name: str, rankings: Path, branches: Path, anchors: Path) -> SceneResults:
-    ranking = read(Ranking, rankings / f"{name}.json", f"ranking@{name}")
+    ranking = read_model(Ranking, rankings / f"{name}.json", f"ranking@{name}")
     if ranking.scene != name or not ranking.viewpoints:
         raise BelvedereError(
             f"{rankings / f'{name}.json'} ranks {len(ranking.viewpoints)} viewpoint(s) of scene "
@@ -129,7 +124,7 @@ def _scene(name: str, rankings: Path, branches: Path, anchors: Path) -> SceneRes
     return SceneResults(
         name=name,
         ranking=ranking,
-        anchors=read(Anchors, anchors / f"{name}.json", f"anchors@{name}"),
+        anchors=read_model(Anchors, anchors / f"{name}.json", f"anchors@{name}"),
         views=tuple(_view(name, key, ranked, branches / key) for key, ranked in ordered),
     )
 
@@ -143,36 +138,11 @@ def _view(scene: str, key: str, ranked: Ranked, folder: Path) -> View:
         vae=read_of_view(Vae, folder / "vae.json", f"vae@{key}", scene, angles),
         mdnrnn=read_of_view(Mdnrnn, folder / "mdnrnn.json", f"mdnrnn@{key}", scene, angles),
         evaluation=read_of_view(Evaluation, folder / "evaluation.json", f"evaluation@{key}", scene, angles),
-        curve=_read_curve(folder / "controller.csv", f"controller@{key}"),
-        dqn_curve=_read_dqn_curve(folder / "dqn.csv", f"dqn@{key}"),
+        curve=read_curve(folder / "controller.csv", f"controller@{key}", ranked.repeats),
+        dqn_curve=read_dqn_curve(folder / "dqn.csv", f"dqn@{key}"),
     )
 
 
 def short(key: str, scene: str) -> str:
     """A branch's name within its scene: ``a`` for ``panda_2dof-a``."""
     return key.removeprefix(f"{scene}-")
-
-
-def _read_curve(path: Path, made_by: str) -> pl.DataFrame:
-    if not path.is_file():
-        raise BelvedereError(f"{path} is missing; `dvc repro {made_by}` makes it.")
-    curve = _read_csv(path, made_by)
-    if curve.is_empty():
-        raise BelvedereError(f"{path} holds no generation; `dvc repro {made_by}` makes it anew.")
-    return curve
-
-
-def _read_dqn_curve(path: Path, made_by: str) -> pl.DataFrame | None:
-    """None where no network was trained."""
-    curve = _read_csv(path, made_by) if path.is_file() else None
-    return None if curve is None or curve.is_empty() else curve
-
-
-def _read_csv(path: Path, made_by: str) -> pl.DataFrame:
-    try:
-        return pl.read_csv(path, schema_overrides=CURVE_COLUMNS).select(*CURVE_COLUMNS)
-    except pl.exceptions.PolarsError as error:
-        reason = " ".join(str(error).split())[:120]
-        raise BelvedereError(
-            f"{path} is no learning curve ({reason}); delete it and run `dvc repro {made_by}`."
-        ) from None

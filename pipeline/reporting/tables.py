@@ -5,19 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, computed_field
+from pydantic import BaseModel, ConfigDict, Field, computed_field
 
-from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.tables import read_model
 
 
 class Table(BaseModel):
     """A JSON table as the report reads it; entries that it does not show are passed over."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
-
-
-TableT = TypeVar("TableT", bound=Table)
 
 
 class Compared(Table):
@@ -154,36 +151,15 @@ ViewT = TypeVar("ViewT", bound=OfView)
 def read_of_view(
     table: type[ViewT], path: Path, made_by: str, scene: str, angles_deg: tuple[float, float]
 ) -> ViewT:
-    """Reads one table of a viewpoint, as :func:`read` does.
+    """Reads one table of a viewpoint, as :func:`pipeline.contract.tables.read_model` does.
 
     Raises:
         BelvedereError: it is of another viewpoint, besides.
     """
-    found = read(table, path, made_by)
+    found = read_model(table, path, made_by)
     if (found.scene, found.theta_deg, found.phi_deg) != (scene, *angles_deg):
         raise BelvedereError(
             f"{path} is of {(found.scene, found.theta_deg, found.phi_deg)}, but the ranking's viewpoint is "
             f"{(scene, *angles_deg)}; run `dvc repro {made_by} ranking@{scene}`."
         )
     return found
-
-
-def read(table: type[TableT], path: Path, made_by: str) -> TableT:
-    """Reads one table.
-
-    Args:
-        table: its type.
-        path: the JSON file.
-        made_by: the stage that writes it, named in errors.
-
-    Raises:
-        BelvedereError: the file is missing or foreign, or an entry is missing or not valid.
-    """
-    try:
-        return table.model_validate(read_json(path, made_by))
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise BelvedereError(
-            f"{path}: {place} is not valid ({first['msg']}); `dvc repro {made_by}` makes it anew."
-        ) from None

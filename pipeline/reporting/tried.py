@@ -15,8 +15,8 @@ import polars as pl
 from markupsafe import Markup
 
 from pipeline.contract import params
-from pipeline.contract.errors import BelvedereError
 from pipeline.reporting import numbers
+from pipeline.reporting.csv_frames import read_frame
 from pipeline.reporting.results import SceneResults
 from pipeline.reporting.svg import COLOURS, RC, inline
 from pipeline.stats.tried import Spot, Tried, tried
@@ -63,13 +63,8 @@ def read_tried(path: Path) -> pl.DataFrame:
     Raises:
         BelvedereError: the file is missing or foreign.
     """
-    try:
-        return pl.read_csv(path, schema=COLUMNS)
-    except (FileNotFoundError, pl.exceptions.PolarsError):
-        raise BelvedereError(
-            f"{path} is missing or holds no table of viewpoints tried; "
-            f"`python -m pipeline.reporting.gather --out {path}` makes it."
-        ) from None
+    what, remedy = "table of viewpoints tried", f"`python -m pipeline.reporting.gather --out {path}` makes it"
+    return read_frame(path, COLUMNS, what, remedy)
 
 
 def parameters_digest(scene: str) -> str:

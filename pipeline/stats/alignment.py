@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
+from pydantic import ConfigDict
 from scipy import stats
 
 from pipeline.contract.params import Section
@@ -33,6 +33,36 @@ class Trial(Section):
     first: float
     second: float
     p: float
+
+
+class _Entry(Section):
+    """A part of a ranking's JSON; what is not compared is passed over."""
+
+    model_config = ConfigDict(extra="ignore")
+
+
+class RankedView(_Entry):
+    """Angles in degrees."""
+
+    theta_deg: float
+    phi_deg: float
+
+
+class Pair(_Entry):
+    """The first view's score less the second's, with its interval where there is one."""
+
+    first: str
+    second: str
+    difference: float
+    low: float | None
+    high: float | None
+
+
+class Ranking(_Entry):
+    """What is compared of a scene's ranking."""
+
+    viewpoints: dict[str, RankedView]
+    pairs: list[Pair]
 
 
 class Compared(Trial):
@@ -76,8 +106,8 @@ class Agreement:
     leaning: int
 
 
-def compare(trials: Sequence[Trial], rankings: Mapping[str, Mapping[str, Any]]) -> list[Compared]:
-    """Each trial beside the ranking of its scene (the content of its JSON file), where there is one."""
+def compare(trials: Sequence[Trial], rankings: Mapping[str, Ranking]) -> list[Compared]:
+    """Each trial beside the ranking of its scene, where there is one."""
     by_source = {source: [t for t in trials if t.source == source] for source in {t.source for t in trials}}
     adjusted = {
         id(trial): p
@@ -102,7 +132,7 @@ def _agreement(source: str, measure: str, rows: Sequence[Compared]) -> Agreement
     return Agreement(source, measure, len(signs), sum(signs), chance, len(rows) - len(signs))
 
 
-def _compared(trial: Trial, p_holm: float, ranking: Mapping[str, Any] | None) -> Compared:
+def _compared(trial: Trial, p_holm: float, ranking: Ranking | None) -> Compared:
     people = (trial.second - trial.first) / trial.second
     ours, low, high = _our_difference(trial, ranking) if ranking else (None, None, None)
     same = None if ours is None or not people else bool((ours > 0) == (people > 0))
@@ -118,16 +148,17 @@ def _compared(trial: Trial, p_holm: float, ranking: Mapping[str, Any] | None) ->
     )
 
 
-def _our_difference(
-    trial: Trial, ranking: Mapping[str, Any]
-) -> tuple[float | None, float | None, float | None]:
-    keys = {(v["theta_deg"], v["phi_deg"]): key for key, v in ranking["viewpoints"].items()}
+def _our_difference(trial: Trial, ranking: Ranking) -> tuple[float | None, float | None, float | None]:
+    keys = {(v.theta_deg, v.phi_deg): key for key, v in ranking.viewpoints.items()}
     first = keys.get((trial.first_theta, trial.first_phi))
     second = keys.get((trial.second_theta, trial.second_phi))
-    for pair in ranking["pairs"]:
-        gap, low, high = pair["difference"], pair["low"], pair["high"]
-        if (pair["first"], pair["second"]) == (first, second):
-            return gap, low, high
-        if (pair["first"], pair["second"]) == (second, first):
-            return -gap, -high, -low
+    for pair in ranking.pairs:
+        if (pair.first, pair.second) == (first, second):
+            return pair.difference, pair.low, pair.high
+        if (pair.first, pair.second) == (second, first):
+            return -pair.difference, _negative(pair.high), _negative(pair.low)
     return None, None, None
+
+
+def _negative(bound: float | None) -> float | None:
+    return None if bound is None else -bound

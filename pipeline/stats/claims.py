@@ -100,7 +100,7 @@ def read_claims(path: Path) -> list[Claim]:
         raise BelvedereError(
             f"{path} is missing; it is part of the repository: `git checkout {path}`."
         ) from None
-    except (yaml.YAMLError, ValidationError) as error:
+    except (yaml.YAMLError, UnicodeDecodeError, ValidationError) as error:
         reason = error.errors()[0] if isinstance(error, ValidationError) else error
         raise BelvedereError(
             f"{path} holds no list of claims: {' '.join(str(reason).split())[:200]}."

@@ -248,7 +248,11 @@ def test_duplicate_is_named(build: Build) -> None:
         ("branches/panda_2dof/study/vae.json", None, "dvc repro vae@study"),
         ("branches/panda_2dof/study/vae.json", "{}", "dvc repro vae@study"),
         ("branches/panda_2dof/study/controller.csv", "a,b\n1,2\n", "no learning curve"),
-        ("branches/panda_2dof/study/controller.csv", "repeat,generation,frames,mean,best\n", "no generation"),
+        (
+            "branches/panda_2dof/study/controller.csv",
+            "repeat,generation,frames,mean,best\n",
+            "curves of 0 repeats",
+        ),
         ("anchors/panda_2dof.json", None, "dvc repro anchors@panda_2dof"),
         ("pictures/study/view/view.png", "no picture", "dvc repro frames@study"),
         ("pictures/study/clip.webp", "no clip", "dvc repro evaluation@study"),

@@ -8,14 +8,16 @@ import pytest
 
 from pipeline.alignment import read_trials
 from pipeline.contract.errors import BelvedereError
-from pipeline.stats.alignment import Compared, agreements, compare
+from pipeline.stats.alignment import Compared, Ranking, agreements, compare
 
 ROOT = Path(__file__).resolve().parents[2]
 TRIALS = read_trials(ROOT / "data/reference/subjects.csv")
 LIKE_PEOPLE = {"panda_1dof": 1.0, "panda_2dof": 1.0, "panda_2dof_obstacle": 1.0}
 
 
-def ranking(difference: float, turned: bool, first: tuple[float, float], second: tuple[float, float]) -> dict:
+def ranking(
+    difference: float, turned: bool, first: tuple[float, float], second: tuple[float, float]
+) -> Ranking:
     """A ranking in which the first view returns ``difference`` more; ``turned`` names the pair backwards."""
     views = {"a": first, "b": second}
     pair = {
@@ -33,10 +35,8 @@ def ranking(difference: float, turned: bool, first: tuple[float, float], second:
             "low": -difference - 2,
             "high": -difference + 0.5,
         }
-    return {
-        "viewpoints": {key: {"theta_deg": t, "phi_deg": p} for key, (t, p) in views.items()},
-        "pairs": [pair],
-    }
+    places = {key: {"theta_deg": t, "phi_deg": p} for key, (t, p) in views.items()}
+    return Ranking.model_validate({"viewpoints": places, "pairs": [pair]})
 
 
 def found(differences: dict[str, float], turned: bool = False) -> list[Compared]:
