@@ -1,17 +1,14 @@
 """`./run python -m benchmarks.memory SCENE THETA PHI --repeats N [-S PATH=VALUE …]`: memory, stage by stage.
 
 The stages of one viewpoint run as DVC runs them, each in a process of its own, in a temporary folder. The
-table has the most memory that each held, as Linux counts it (``ru_maxrss``, MiB), and the bytes of a repeat's
-raw pictures beside it. ``-S`` changes params.yaml as DVC's does.
+table has the most memory that each held, as Linux counts it (``VmHWM``, MiB), beside a repeat's raw pictures.
+``-S`` changes params.yaml as DVC's does.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import os
-import shlex
-import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -22,7 +19,7 @@ import yaml
 
 from benchmarks.rows import Row, side_tables
 from benchmarks.sizes import changed
-from benchmarks.training import ROOT, command, give_repeats, stage_environment
+from benchmarks.training import ROOT, command, give_repeats, run_stage
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import cores
 
@@ -30,6 +27,17 @@ KEY = "memory"  # the branch's name
 STAGES = ("rollouts", "frames", "geometry", "vae", "latents", "mdnrnn", "controller", "evaluation", "anchors")
 TABLE = "most memory that a stage holds, MiB"
 _PICTURE_BYTES = 64 * 64 * 3
+_PEAK = "peak"  # the file in which a process leaves what it held, in KiB
+# getrusage would also count what the process that started this one held
+_TELLING = f"""
+import atexit, pathlib, re, runpy, sys
+def tell():
+    held = re.search(r"VmHWM:\\s+(\\d+)", pathlib.Path("/proc/self/status").read_text())
+    pathlib.Path("{_PEAK}").write_text(held[1])
+atexit.register(tell)
+del sys.argv[0]
+runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)
+"""
 
 
 def measured(view: dict[str, Any], repeats: int, stages: Sequence[str], changes: Sequence[str]) -> Row:
@@ -46,22 +54,13 @@ def measured(view: dict[str, Any], repeats: int, stages: Sequence[str], changes:
 
 
 def peak_mib(folder: Path, words: Sequence[str]) -> float:
-    """The most memory that ``python WORDS`` held, run in ``folder``.
+    """The most memory that ``python WORDS``, ``-m MODULE …``, held, run in ``folder``.
 
     Raises:
         BelvedereError: it failed.
     """
-    with (folder / "said").open("w+", encoding="utf-8") as said:
-        child = subprocess.Popen(
-            [sys.executable, *words], cwd=folder, env=stage_environment(folder), stdout=said, stderr=said
-        )
-        _, status, usage = os.wait4(child.pid, 0)
-        child.returncode = os.waitstatus_to_exitcode(status)
-        said.seek(0)
-        told = said.read().strip().splitlines() or ["it says nothing"]
-    if child.returncode:
-        raise BelvedereError(f"`{shlex.join(words[1:])}` ended with status {child.returncode}: {told[-1]}")
-    return usage.ru_maxrss / 1024
+    run_stage(folder, [sys.executable, "-c", _TELLING, *words[1:]])
+    return int((folder / _PEAK).read_text(encoding="utf-8")) / 1024
 
 
 def main(argv: Sequence[str] | None = None) -> None:

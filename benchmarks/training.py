@@ -51,11 +51,11 @@ def trained(folder: Path, budget: str, repeats: int) -> dict[str, float]:
     tree["budget"] = budget
     give_repeats(folder, tree, repeats)
     view = _view()
-    _run(folder, [sys.executable, *command("rollouts", BRANCH, view)])
+    run_stage(folder, [sys.executable, *command("rollouts", BRANCH, view)])
     seconds = {}
     for stage in STAGES:
         begin = time.perf_counter()
-        _run(folder, [sys.executable, *command(stage, BRANCH, view)])
+        run_stage(folder, [sys.executable, *command(stage, BRANCH, view)])
         seconds[stage] = time.perf_counter() - begin
     return seconds
 
@@ -83,14 +83,15 @@ def command(stage: str, branch: str, view: dict[str, Any]) -> list[str]:
     return arguments
 
 
-def stage_environment(folder: Path) -> dict[str, str]:
-    """The environment of a stage that runs in ``folder``, on this working tree's code."""
+def run_stage(folder: Path, words: list[str]) -> None:
+    """Runs a command in ``folder``, on this working tree's code, to its end.
+
+    Raises:
+        BelvedereError: it failed.
+    """
     kept = {name: value for name, value in os.environ.items() if not name.startswith("DVC_")}
-    return kept | {"PYTHONPATH": str(ROOT), "BELVEDERE_SCRATCH": str(folder / ".scratch")}
-
-
-def _run(folder: Path, words: list[str]) -> None:
-    done = subprocess.run(words, cwd=folder, env=stage_environment(folder), capture_output=True, text=True)
+    place = {"PYTHONPATH": str(ROOT), "BELVEDERE_SCRATCH": str(folder / ".scratch")}
+    done = subprocess.run(words, cwd=folder, env=kept | place, capture_output=True, text=True)
     if done.returncode:
         told = done.stderr.strip().splitlines() or ["it says nothing"]
         raise BelvedereError(f"`{shlex.join(words[1:])}` ended with status {done.returncode}: {told[-1]}")
