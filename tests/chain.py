@@ -73,6 +73,9 @@ def write_inputs(folder: Path) -> None:
     tree["sight_share"] = 0.9999  # so small a judge sees little, and without a race a ranking says little
     tree["budget"], tree["budgets"] = "short", {"short": _SIZES | {"dqn": tree["budgets"]["tiny"]["dqn"]}}
     (folder / "params.yaml").write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
+    listed = {"study": "${viewpoint}", CANDIDATE: f"${{viewpoints.{CANDIDATE}}}"}
+    stages = {"stages": {"evaluation": {"foreach": listed}}}
+    (folder / "dvc.yaml").write_text(yaml.safe_dump(stages), encoding="utf-8")
     shutil.copytree(ROOT / "data/reference", folder / "data/reference")
     for name in ("data/tried.csv", "data/allocation.yaml"):
         shutil.copy(ROOT / name, folder / name)

@@ -34,15 +34,7 @@ SIZES: dict[str, type[params.Section]] = {
     "rollouts": RolloutSizes,
     "vae": VaeSizes,
 }
-FOR_SCENES = (
-    "ranking",
-    "race",
-    "rollouts",
-    "vae",
-    "mdnrnn",
-    "controller",
-    "evaluation",
-)  # may differ by scene
+DIFFER = ("budgets", "ranking")  # whose values may be others in a scene
 OTHERS = ("viewpoint", "viewpoints", "budget", "budgets", "seed", "heldout_share", "sight_share", "scenes")
 
 
@@ -100,7 +92,7 @@ def _budget(name: str, scenes: dict[str, SceneParams], path: Path) -> None:
 def _section(model: type[params.Section], keys: tuple[str, ...], scenes: Collection[str], path: Path) -> None:
     """The section as each scene has it."""
     given = params.mapping(*keys, path=path)
-    if keys[-1] not in FOR_SCENES or "scenes" not in given:
+    if keys[0] not in DIFFER or "scenes" not in given:
         params.section(model, *keys, path=path)
         return
     own = ".".join([*keys, "scenes"])
