@@ -142,8 +142,8 @@ def test_a_replay_memory_that_no_machine_holds_is_refused_before_anything_is_mad
     workplace: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("BELVEDERE_CORES", "2")
-    write_params(workplace, repeats=3, changed={"frames": 16 * 10**11, "memory": 16 * 10**11})
-    said = r"dqn\.memory = 1600000000000 transitions, in 2 .* needs 73,\d\d\d,\d\d\d.* GiB .* at most \d+ fit"
+    write_params(workplace, repeats=3, changed={"frames": 96 * 10**7, "memory": 96 * 10**7})
+    said = r"dqn\.memory = 960000000 transitions, in 2 .* needs 4\d,\d\d\d.* GiB .* at most \d+ fit"
     with pytest.raises(BelvedereError, match=said):
         dqn.main(**VIEW, **OUTS)
     assert {path.name for path in workplace.iterdir()} == {"params.yaml"}
