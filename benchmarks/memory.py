@@ -8,7 +8,6 @@ table has the most memory that each held, as Linux counts it (``VmHWM``, MiB), b
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -17,10 +16,9 @@ from typing import Any
 
 import yaml
 
-from benchmarks.rows import Row, side_tables
-from benchmarks.sizes import changed
+from benchmarks.rows import Row
+from benchmarks.sizes import changed, print_row
 from benchmarks.training import ROOT, command, give_repeats, run_stage
-from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import cores
 
 KEY = "memory"  # the branch's name
@@ -65,22 +63,9 @@ def peak_mib(folder: Path, words: Sequence[str]) -> float:
 
 def main(argv: Sequence[str] | None = None) -> None:
     """Prints the row as a table, or with ``--json`` as one object."""
-    options = argparse.ArgumentParser(prog="python -m benchmarks.memory", description=__doc__)
-    options.add_argument("scene")
-    options.add_argument("theta", type=float, help="degrees")
-    options.add_argument("phi", type=float, help="degrees")
-    options.add_argument("--repeats", type=int, required=True, help="independent trainings, two at least")
-    options.add_argument("--stages", nargs="+", choices=STAGES, default=STAGES, help="the first of them only")
-    options.add_argument("-S", dest="changes", action="append", default=[], metavar="PATH=VALUE")
-    options.add_argument("--json", action="store_true", help="one JSON object")
-    given = options.parse_args(argv)
-    view = {"scene": given.scene, "theta": given.theta, "phi": given.phi}
-    try:
-        found = measured(view, given.repeats, given.stages, given.changes)
-    except BelvedereError as error:
-        print(f"error: {error}", file=sys.stderr)
-        raise SystemExit(1) from None
-    print(json.dumps(found, ensure_ascii=False) if given.json else "\n".join(side_tables([found])))
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.memory", description=__doc__)
+    parser.add_argument("--stages", nargs="+", choices=STAGES, default=STAGES, help="the first of them only")
+    print_row(parser, lambda view, given: measured(view, given.repeats, given.stages, given.changes), argv)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -127,6 +127,15 @@ def _read(name: str) -> Any:
 def main(argv: Sequence[str] | None = None) -> None:
     """Prints the row as a table, or with ``--json`` as one object."""
     options = argparse.ArgumentParser(prog="python -m benchmarks.sizes", description=__doc__)
+    print_row(options, lambda view, given: measured(view, given.repeats, given.changes), argv)
+
+
+def print_row(
+    options: argparse.ArgumentParser,
+    measure: Callable[[dict[str, Any], argparse.Namespace], Row],
+    argv: Sequence[str] | None,
+) -> None:
+    """Reads a study's options (added to ``options``), measures it, prints the row or why there is none."""
     options.add_argument("scene")
     options.add_argument("theta", type=float, help="degrees")
     options.add_argument("phi", type=float, help="degrees")
@@ -134,9 +143,8 @@ def main(argv: Sequence[str] | None = None) -> None:
     options.add_argument("-S", dest="changes", action="append", default=[], metavar="PATH=VALUE")
     options.add_argument("--json", action="store_true", help="one JSON object")
     given = options.parse_args(argv)
-    view = {"scene": given.scene, "theta": given.theta, "phi": given.phi}
     try:
-        found = measured(view, given.repeats, given.changes)
+        found = measure({"scene": given.scene, "theta": given.theta, "phi": given.phi}, given)
     except BelvedereError as error:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(1) from None

@@ -21,6 +21,13 @@ class Clone:
 
     root: Path
 
+    def begin(self) -> None:
+        """Makes a repository of the files at ``root``, runs its stages and commits the results."""
+        self.run("git", "init", "--quiet", "--initial-branch", "main")
+        self.run("dvc", "init", "--quiet")
+        self.run("dvc", "repro", "--quiet")
+        self.commit("its results")
+
     def run(
         self, *command: str | Path, timeout_s: float = 300, status: int | None = 0, **environment: str
     ) -> subprocess.CompletedProcess[str]:

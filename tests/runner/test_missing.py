@@ -50,10 +50,7 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Clone:
     (made.root / "dvc.yaml").write_text(yaml.safe_dump({"stages": {name: stage(name) for name in READS}}))
     (made.root / "params.yaml").write_text(yaml.safe_dump({name: f"{name}1" for name in READS}))
     (made.root / ".gitignore").write_text("/data\n")
-    made.run("git", "init", "--quiet", "--initial-branch", "main")
-    made.run("dvc", "init", "--quiet")
-    made.run("dvc", "repro", "--quiet")
-    made.commit("its results")
+    made.begin()
     return made
 
 

@@ -34,12 +34,9 @@ def repository(tmp_path: Path) -> Clone:
     stage = {"cmd": "python stage.py", "params": ["phi"], "metrics": [{"reports/phi": {"cache": False}}]}
     (made.root / "dvc.yaml").write_text(yaml.safe_dump({"stages": {"evaluation": stage}}))
     (made.root / "stage.py").write_text(STAGE)
-    (made.root / "params.yaml").write_text("phi: 15\n")
+    (made.root / "params.yaml").write_text("phi: 5\n")  # of another length than 30: git looks at sizes first
     (made.root / ".gitignore").write_text("/slow\n/begun\n")
-    made.run("git", "init", "--quiet", "--initial-branch", "main")
-    made.run("dvc", "init", "--quiet")
-    made.run("dvc", "repro", "--quiet")
-    made.commit("its results")
+    made.begin()
     return made
 
 
