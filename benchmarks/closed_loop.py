@@ -12,8 +12,8 @@ from benchmarks.loops import VIEWS, WORLDS, Setting, candidates, setting
 from benchmarks.rows import Row, goal_row
 from pipeline.contract.machine import cores
 from pipeline.control.policy import Controllers
+from pipeline.rendering.renderer import Gallery
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.images import Gallery
 
 ROUNDS = 5
 GOAL = 0.85  # while rendering is the bound: what bounds it, the profile says

@@ -19,10 +19,10 @@ from benchmarks.loops import Setting
 from benchmarks.render import stripped_renderer
 from benchmarks.vae import published
 from pipeline.control.policy import FEATURES
+from pipeline.rendering.renderer import model_seen_from
+from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.draws import Episodes
-from pipeline.sim.images import model_seen_from
 from pipeline.sim.scene import CAMERA
-from pipeline.sim.sight import PICTURE_SIZE
 from pipeline.sim.task import environment
 from pipeline.worldmodel.mdnrnn import UNITS, MdnRnn
 from pipeline.worldmodel.vae import LATENTS

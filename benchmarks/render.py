@@ -12,10 +12,10 @@ import numpy as np
 from benchmarks.rows import Row, goal_row
 from pipeline.contract import params
 from pipeline.contract.viewpoints import Viewpoint
+from pipeline.rendering.renderer import Images, model_seen_from
+from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.images import Images, model_seen_from
 from pipeline.sim.scene import CAMERA, Scene, load_scene
-from pipeline.sim.sight import PICTURE_SIZE
 from pipeline.sim.worlds import Worlds
 
 GOAL = 8.0

@@ -23,8 +23,8 @@ from pipeline.contract.machine import cores
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.learning.device import Compute, compute
 from pipeline.learning.training import seeded
+from pipeline.rendering.renderer import Images
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.images import Images
 from pipeline.sim.scene import load_scene
 from pipeline.sim.worlds import Worlds
 from pipeline.worldmodel import pictures

@@ -13,7 +13,8 @@ from typing import Any
 from pipeline.contract import params, scratch, zarrs
 from pipeline.contract.artefacts import writing
 from pipeline.contract.machine import cores
-from pipeline.contract.repeats import Place, code_digest, finished_together
+from pipeline.contract.repeats import Place, finished_together
+from pipeline.contract.source import code_digest
 from pipeline.contract.split import split_episodes
 from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
@@ -26,7 +27,6 @@ from pipeline.control.searched import curves, gather_controllers, save_search
 from pipeline.learning.device import compute
 from pipeline.sim.scene import Scene, load_scene
 
-CODE = ("contract", "control", "learning", "sim", "worldmodel", "controller.py")
 READ = ("mean", "action", "reward")
 Models = tuple[Path, Path]
 
@@ -72,7 +72,7 @@ def evolve_repeats(
         for where, search in zip(places.values(), searches, strict=True):
             save_search(where.results, search, sizes.population * sizes.episodes * scene.frames)
 
-    common: dict[str, Any] = {"code": code_digest(*CODE), "machine": place.facts(), "seed": seed}
+    common: dict[str, Any] = {"code": code_digest("controller"), "machine": place.facts(), "seed": seed}
     common |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "heldout_share": share}
     common |= {"scene": scene.params.model_dump(), "view": view.model_dump()}
     inputs = [scratch.digest_files([latents.place(r), *models[r]]) for r in range(len(models))]

@@ -11,8 +11,9 @@ import polars as pl
 from pipeline.contract import params, seeds
 from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.machine import cores
-from pipeline.contract.repeats import code_digest, finished
+from pipeline.contract.repeats import finished
 from pipeline.contract.seeds import Stream
+from pipeline.contract.source import code_digest
 from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.outcomes import evaluation_episodes, made_with, means
@@ -25,11 +26,9 @@ from pipeline.qlearning.params import DqnParams, DqnSizes, dqn_params
 from pipeline.qlearning.reach_env import ReachEnv
 from pipeline.qlearning.tables import CURVE, EPISODES, joined
 from pipeline.qlearning.trial import tried
+from pipeline.rendering.visibility import refuse_hidden_targets
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene, load_scene
-from pipeline.sim.sight import refuse_hidden_targets
-
-CODE = ("contract", "control", "learning", "qlearning", "sim", "dqn.py")
 
 
 def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metrics: Path) -> None:
@@ -67,7 +66,7 @@ def train_repeat(scene: Scene, view: Viewpoint, method: DqnParams, sizes: DqnSiz
         rows = trained.curve.with_columns(pl.lit(repeat).alias("repeat"))
         rows.select(pl.col(n).cast(t) for n, t in CURVE.items()).write_parquet(results / "curve.parquet")
 
-    decides: dict[str, Any] = {"code": code_digest(*CODE), "seed": seed, "evaluated": count}
+    decides: dict[str, Any] = {"code": code_digest("dqn"), "seed": seed, "evaluated": count}
     decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(exclude={"repeats"})}
     decides |= {"machine": place.facts(), "scene": scene.params.model_dump(), "view": view.model_dump()}
     return finished("dqn", repeat, make, **decides)

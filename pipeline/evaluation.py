@@ -13,7 +13,8 @@ from pipeline.contract import params, scratch
 from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import cores
-from pipeline.contract.repeats import Place, code_digest, finished_together
+from pipeline.contract.repeats import Place, finished_together
+from pipeline.contract.source import code_digest
 from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.jobs import Networks
@@ -25,8 +26,6 @@ from pipeline.control.trial import CLIP, OUTCOMES, numbers, try_out
 from pipeline.learning.device import Compute, compute
 from pipeline.sim.episodes import require_episodes
 from pipeline.sim.scene import Scene, load_scene
-
-CODE = ("contract", "control", "learning", "sim", "worldmodel", "evaluation.py")
 
 
 def main(
@@ -70,7 +69,7 @@ def evaluate(scene: Scene, view: Viewpoint, place: Compute, models: Sequence[Seq
         loops = closed_loops(scene, view, networks, place.device, cores())
         try_out(loops, view, flat, episodes, {r: where.results for r, where in places.items()})
 
-    common: dict[str, Any] = {"code": code_digest(*CODE), "machine": place.facts(), "seed": seed}
+    common: dict[str, Any] = {"code": code_digest("evaluation"), "machine": place.facts(), "seed": seed}
     common |= {"scene": scene.params.model_dump(), "view": view.model_dump(), "episodes": count}
     inputs = [scratch.digest_files(files) for files in models]
     return finished_together("evaluation", {r: {**common, "inputs": i} for r, i in enumerate(inputs)}, make)

@@ -13,16 +13,15 @@ from pipeline.contract.allocation import branch_repeats
 from pipeline.contract.artefacts import writing
 from pipeline.contract.machine import cores
 from pipeline.contract.progress import Progress
-from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_store
+from pipeline.contract.repeats import REPEAT, finished, publish_store
 from pipeline.contract.scratch import digest_files
+from pipeline.contract.source import code_digest
 from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
-from pipeline.sim.images import Gallery
-from pipeline.sim.replay import render, write_pictures
+from pipeline.rendering.renderer import Gallery
+from pipeline.rendering.replay import render, write_pictures
+from pipeline.rendering.visibility import refuse_hidden_targets
 from pipeline.sim.scene import Scene, load_scene
-from pipeline.sim.sight import refuse_hidden_targets
-
-CODE = ("contract", "sim", "frames.py")
 
 
 def main(
@@ -68,7 +67,7 @@ class Studio:
                 zarrs.write(results / REPEAT, zarrs.FRAMES, arrays, facts)
 
         decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "facts": facts}
-        decides |= {"code": code_digest(*CODE), "scene": self._scene.params.model_dump()}
+        decides |= {"code": code_digest("frames"), "scene": self._scene.params.model_dump()}
         return finished("frames", repeat, make, **decides)
 
 

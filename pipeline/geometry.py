@@ -12,8 +12,8 @@ from pipeline.contract import zarrs
 from pipeline.contract.artefacts import write_json
 from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import viewpoint
+from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import load_scene
-from pipeline.sim.sight import PICTURE_SIZE
 
 _LEAST_PX_PER_M = 1e-9  # a motion along the line of sight projects to nothing, whose log is no number
 _STATES = 512  # of the first repeat's random episodes, evenly picked

@@ -10,15 +10,14 @@ import numpy as np
 
 from pipeline.contract import zarrs
 from pipeline.contract.parts import places
-from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_store
+from pipeline.contract.repeats import REPEAT, finished, publish_store
 from pipeline.contract.scratch import digest_files
+from pipeline.contract.source import code_digest
 from pipeline.contract.stage import entry
 from pipeline.learning.device import Compute, compute
 from pipeline.learning.side_by_side import side_by_side
 from pipeline.worldmodel.encoder import BATCH, Encoder
 from pipeline.worldmodel.vae import LATENTS, load_vae
-
-CODE = ("contract", "learning", "worldmodel", "latents.py")
 
 
 def main(*, frames: Path, vae: Path, out: Path) -> None:
@@ -38,7 +37,7 @@ def encode_repeat(store: zarrs.Store, repeat: int, vae: Path, place: Compute) ->
         zarrs.write(results / REPEAT, zarrs.LATENTS, arrays, store.attributes)
 
     inputs = digest_files([store.place(repeat), weights])
-    decides: dict[str, Any] = {"inputs": inputs, "code": code_digest(*CODE), "machine": place.facts()}
+    decides: dict[str, Any] = {"inputs": inputs, "code": code_digest("latents"), "machine": place.facts()}
     return finished("latents", repeat, make, **decides)
 
 

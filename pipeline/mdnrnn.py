@@ -9,9 +9,10 @@ import numpy as np
 
 from pipeline.contract import params, seeds, zarrs
 from pipeline.contract.artefacts import write_json
-from pipeline.contract.repeats import code_digest, finished, publish
+from pipeline.contract.repeats import finished, publish
 from pipeline.contract.scratch import digest_files
 from pipeline.contract.seeds import Stream
+from pipeline.contract.source import code_digest
 from pipeline.contract.split import split_episodes
 from pipeline.contract.stage import entry
 from pipeline.learning.device import Compute, compute
@@ -20,7 +21,6 @@ from pipeline.worldmodel.mdnrnn import save_mdnrnn
 from pipeline.worldmodel.mdnrnn_training import Sequences, fit, sequences
 from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes
 
-CODE = ("contract", "learning", "worldmodel", "mdnrnn.py")
 READ = ("mean", "log_variance", "action")  # not the reward: the network does not see it
 
 
@@ -52,7 +52,7 @@ def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
         save_mdnrnn(results / "weights.pt", network)
         write_json(results / "metrics.json", numbers)
 
-    decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "code": code_digest(*CODE)}
+    decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "code": code_digest("mdnrnn")}
     decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
     return finished("mdnrnn", repeat, make, seed=seed, heldout_share=share, **decides)
 

@@ -11,15 +11,14 @@ from pipeline.contract import params, seeds, zarrs
 from pipeline.contract.allocation import scene_repeats
 from pipeline.contract.artefacts import write_json
 from pipeline.contract.progress import Progress
-from pipeline.contract.repeats import REPEAT, code_digest, finished, publish_store
+from pipeline.contract.repeats import REPEAT, finished, publish_store
 from pipeline.contract.scratch import digest_files
+from pipeline.contract.source import code_digest
 from pipeline.contract.stage import entry
 from pipeline.sim.episodes import require_episodes
 from pipeline.sim.exploration import roll
 from pipeline.sim.params import ExplorationParams, RolloutSizes
 from pipeline.sim.scene import Scene, load_scene
-
-CODE = ("contract", "sim", "rollouts.py")
 
 
 def main(*, scene: str, out: Path, store: Path) -> None:
@@ -49,8 +48,12 @@ def draw_repeat(scene: Scene, repeat: int) -> Path:
             arrays = roll(scene, sizes.episodes, process, rng, progress)
         zarrs.write(results / REPEAT, zarrs.ROLLOUTS, arrays, facts)
 
-    decides: dict[str, Any] = {"code": code_digest(*CODE), "seed": seed, "scene": scene.params.model_dump()}
-    decides |= {"sizes": sizes.model_dump(), "process": process.model_dump(), "facts": facts}
+    decides: dict[str, Any] = {"code": code_digest("rollouts"), "seed": seed, "facts": facts}
+    decides |= {
+        "scene": scene.params.model_dump(),
+        "sizes": sizes.model_dump(),
+        "process": process.model_dump(),
+    }
     return finished("rollouts", repeat, make, **decides)
 
 

@@ -10,9 +10,10 @@ import numpy as np
 
 from pipeline.contract import params, seeds, zarrs
 from pipeline.contract.artefacts import write_json, writing
-from pipeline.contract.repeats import code_digest, finished, publish
+from pipeline.contract.repeats import finished, publish
 from pipeline.contract.scratch import digest_files
 from pipeline.contract.seeds import Stream
+from pipeline.contract.source import code_digest
 from pipeline.contract.split import split_episodes
 from pipeline.contract.stage import entry
 from pipeline.learning import checkpoints
@@ -25,7 +26,6 @@ from pipeline.worldmodel.probes import Labelled, label, probe
 from pipeline.worldmodel.reconstructions import write_reconstructions
 from pipeline.worldmodel.vae_training import fit
 
-CODE = ("contract", "learning", "worldmodel", "vae.py")
 READ = ("tip", "target", "target_pixels", "target_pixels_free")
 
 
@@ -70,7 +70,7 @@ def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
         checkpoints.save(results / "weights.pt", vae.cpu().state_dict())
         write_json(results / "metrics.json", numbers)
 
-    decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "code": code_digest(*CODE)}
+    decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "code": code_digest("vae")}
     decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
     return finished("vae", repeat, make, seed=seed, heldout_share=share, **decides)
 

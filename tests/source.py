@@ -1,58 +1,13 @@
-"""What the pipeline's source says of itself: who imports whom, and who reads which parameters."""
+"""Which parameters a script reads, by its source."""
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from functools import cache
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+from pipeline.contract.source import file_of, imported_names, tree
+
 READERS = "pipeline.contract.params"
-
-
-@cache
-def _tree(file: str) -> ast.Module:
-    return ast.parse((ROOT / file).read_text(encoding="utf-8"))
-
-
-def _file(module: str) -> str | None:
-    """The file of a dotted module below ``pipeline``, or None where there is no such module."""
-    stem = module.replace(".", "/")
-    return next((f for f in (f"{stem}.py", f"{stem}/__init__.py") if (ROOT / f).is_file()), None)
-
-
-def _packages(module: str) -> Iterator[str]:
-    """The module's file and those of the packages that hold it: importing one runs them all."""
-    parts = module.split(".")
-    for depth in range(1, len(parts) + 1):
-        if file := _file(".".join(parts[:depth])):
-            yield file
-
-
-@cache
-def names(file: str) -> dict[str, str]:
-    """Local names that a file's imports bind to something of ``pipeline``, and its dotted name."""
-    bound = {}
-    for node in ast.walk(_tree(file)):
-        if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "pipeline":
-            bound |= {a.asname or a.name: f"{node.module}.{a.name}" for a in node.names}
-        if isinstance(node, ast.Import):
-            bound |= {a.asname or a.name: a.name for a in node.names if a.name.startswith("pipeline.")}
-    return bound
-
-
-@cache
-def modules_behind(file: str) -> frozenset[str]:
-    """``file`` and every file of ``pipeline`` that importing it imports, as paths from the root."""
-    found: set[str] = set()
-    waiting = [file]
-    while waiting:
-        at = waiting.pop()
-        if at not in found:
-            found.add(at)
-            waiting += [f for target in names(at).values() for f in _packages(target)]
-    return frozenset(found)
 
 
 def params_read_by(file: str) -> set[str]:
@@ -83,7 +38,7 @@ def _dotted(file: str) -> str:
 
 def _nodes(file: str, name: str) -> Iterator[ast.AST]:
     """All of the file, or the definition of ``name`` in it and what stands outside definitions."""
-    for statement in _tree(file).body:
+    for statement in tree(file).body:
         defined = getattr(statement, "name", None)
         if not name or defined in (None, name):
             yield from ast.walk(statement)
@@ -92,8 +47,8 @@ def _nodes(file: str, name: str) -> Iterator[ast.AST]:
 def _target(file: str, node: ast.AST) -> str | None:
     """The dotted name of what an expression refers to, where that is of ``pipeline``."""
     if isinstance(node, ast.Name):
-        own = {getattr(s, "name", None) for s in _tree(file).body}
-        return f"{_dotted(file)}.{node.id}" if node.id in own else names(file).get(node.id)
+        own = {getattr(s, "name", None) for s in tree(file).body}
+        return f"{_dotted(file)}.{node.id}" if node.id in own else imported_names(file).get(node.id)
     if isinstance(node, ast.Attribute) and (base := _target(file, node.value)):
         return f"{base}.{node.attr}"
     return None
@@ -101,7 +56,7 @@ def _target(file: str, node: ast.AST) -> str | None:
 
 def _referred(file: str, node: ast.AST) -> list[tuple[str, str]]:
     module, _, name = (_target(file, node) or "").rpartition(".")
-    found = _file(module) if module else None
+    found = file_of(module) if module else None
     return [(found, name)] if found else []
 
 

@@ -16,8 +16,9 @@ from typing import Any
 import pytest
 import yaml
 
+from pipeline.contract.source import ROOT, modules_behind
 from pipeline.contract.stage import parser
-from tests.source import ROOT, modules_behind, params_read_by
+from tests.source import params_read_by
 
 PARAMS: dict[str, Any] = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
 STAGES: dict[str, Any] = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.sim.images import target_pixels_unhidden
+from pipeline.rendering.renderer import target_pixels_unhidden
+from pipeline.rendering.visibility import PICTURE_SIZE, Sight, to_pixels
 from pipeline.sim.scene import Scene
-from pipeline.sim.sight import PICTURE_SIZE, Sight, to_pixels
 
 
 @dataclass(frozen=True)

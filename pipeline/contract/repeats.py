@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
@@ -14,23 +13,7 @@ from pipeline.contract import scratch, zarrs
 from pipeline.contract.artefacts import aside_of, read_json, remove_leftovers, write_json, writing
 from pipeline.contract.manifest import mismatch, write_manifest
 
-PACKAGE = Path(__file__).resolve().parents[1]
 REPEAT = "repeat.zarr"  # of a store, in the folder of a repeat's results
-
-
-def code_digest(*parts: str) -> str:
-    """A hash of Python sources, the same wherever the tree lies.
-
-    Args:
-        *parts: files or folders below ``pipeline/``, such as ``"learning"`` or ``"vae.py"``.
-    """
-    hasher = hashlib.sha256()
-    for part in parts:
-        place = PACKAGE / part
-        for file in [place] if place.is_file() else sorted(place.rglob("*.py")):
-            hasher.update(file.relative_to(PACKAGE).as_posix().encode() + b"\0")
-            hasher.update(file.read_bytes() + b"\0")
-    return hasher.hexdigest()
 
 
 @dataclass(frozen=True)

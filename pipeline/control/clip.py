@@ -9,9 +9,9 @@ from PIL import Image
 
 from pipeline.contract.artefacts import writing
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.sim.images import Images
+from pipeline.rendering.renderer import Images
+from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import Scene
-from pipeline.sim.sight import PICTURE_SIZE
 
 _SIDE = 192  # of each of the two pictures, pixels
 _QUALITY = 60  # of WebP, 0 to 100

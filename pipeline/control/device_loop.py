@@ -22,9 +22,9 @@ from pipeline.contract.viewpoints import Viewpoint
 from pipeline.control.jobs import Job, Networks
 from pipeline.control.loop import Trace
 from pipeline.control.policy import Controllers
-from pipeline.sim.device_worlds import DeviceWorlds
+from pipeline.cuda.worlds import DeviceWorlds
+from pipeline.rendering.renderer import start_ray_tracer
 from pipeline.sim.draws import Episodes
-from pipeline.sim.images import start_ray_tracer
 from pipeline.sim.scene import Scene
 from pipeline.worldmodel.mdnrnn import State
 

@@ -17,8 +17,8 @@ import torch
 from pipeline.contract.stage import WORKER
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.control.policy import Controllers
+from pipeline.rendering.renderer import Images
 from pipeline.sim.draws import Episodes
-from pipeline.sim.images import Images
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds
 from pipeline.worldmodel.encoder import Encoder

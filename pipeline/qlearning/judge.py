@@ -15,7 +15,7 @@ from pipeline.contract.progress import Progress
 from pipeline.learning.device import Compute
 from pipeline.qlearning.params import DqnParams, DqnSizes
 from pipeline.qlearning.reach_env import ReachEnv
-from pipeline.sim.sight import PICTURE_SIZE
+from pipeline.rendering.visibility import PICTURE_SIZE
 
 _TRANSITION_BYTES = 2 * PICTURE_SIZE**2 * 3 + 8 + 4 + 4 + 4  # two pictures, action, reward, done, timeout
 

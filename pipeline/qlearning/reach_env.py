@@ -13,10 +13,10 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.qlearning.actions import action_table
+from pipeline.rendering.renderer import Images
+from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.images import Images
 from pipeline.sim.scene import Scene
-from pipeline.sim.sight import PICTURE_SIZE
 from pipeline.sim.worlds import Worlds
 
 

@@ -13,8 +13,8 @@ from dm_control.mujoco import engine, wrapper
 from dm_control.rl import control
 from dm_env import specs
 
+from pipeline.sim.arm_controllers import Hand, drive, wished_place
 from pipeline.sim.draws import Episodes, draw_episodes
-from pipeline.sim.drives import Hand, drive, wished_place
 from pipeline.sim.reward import reach_reward
 from pipeline.sim.scene import Scene
 

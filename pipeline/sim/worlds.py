@@ -7,8 +7,8 @@ import numpy as np
 from mujoco import batch as mujoco_batch
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.sim.arm_controllers import Fields, Hand, drive, wished_place
 from pipeline.sim.draws import Episodes
-from pipeline.sim.drives import Fields, Hand, drive, wished_place
 from pipeline.sim.reward import reach_reward
 from pipeline.sim.scene import Scene
 

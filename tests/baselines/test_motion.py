@@ -8,9 +8,9 @@ import pytest
 from pipeline.baselines.motion import image_jacobian, singular_values
 from pipeline.contract import params
 from pipeline.contract.viewpoints import viewpoint
-from pipeline.sim.images import Images
+from pipeline.rendering.renderer import Images
+from pipeline.rendering.visibility import to_pixels
 from pipeline.sim.scene import initial_data, load_scene
-from pipeline.sim.sight import to_pixels
 
 VIEWS = tuple(params.value("viewpoints").values())
 

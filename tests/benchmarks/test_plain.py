@@ -16,8 +16,8 @@ from pipeline.contract.errors import BelvedereError
 from pipeline.control.loop import Loop, Workers
 from pipeline.control.policy import Controllers
 from pipeline.learning.device import Compute
+from pipeline.rendering.renderer import Images
 from pipeline.sim.draws import Episodes, draw_episodes
-from pipeline.sim.images import Images
 from pipeline.worldmodel.encoder import Encoder
 
 FRAMES, EPISODES = 6, 3

@@ -89,7 +89,7 @@ def test_other_errors_are_none_of_the_disk() -> None:
 def test_a_full_kernel_cache_is_told(tmp_path: Path) -> None:
     """Warp compiles into an empty cache; that files may not grow stands for a disk that is full."""
     done = subprocess.run(
-        [sys.executable, "-m", "pipeline.sim.preview", *VIEW, "--out", str(tmp_path / "view.png")],
+        [sys.executable, "-m", "pipeline.rendering.preview", *VIEW, "--out", str(tmp_path / "view.png")],
         cwd=ROOT,
         env=os.environ | {"WARP_CACHE_PATH": str(tmp_path / "cache"), "BELVEDERE_SCRATCH": str(tmp_path)},
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2**14, 2**14)),

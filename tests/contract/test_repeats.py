@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.contract.artefacts import write_json, writing
-from pipeline.contract.repeats import Place, branch_metrics, code_digest, finished, finished_together
+from pipeline.contract.repeats import Place, branch_metrics, finished, finished_together
 from tests.damage import flipped
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -128,11 +128,6 @@ def test_only_the_repeats_that_are_missing_are_made_and_together() -> None:
         finished_together("controller", {r: {"inputs": name} for r, name in enumerate("abc")}, make) == found
     )
     assert asked == [[1], [0, 2]]
-
-
-def test_code_counts() -> None:
-    assert code_digest("learning") != code_digest("learning", "vae.py")
-    assert code_digest("learning") == code_digest("learning")
 
 
 def test_metrics_hold_the_means_over_repeats() -> None:

@@ -19,8 +19,8 @@ from pipeline.control.policy import parameters
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene, load_scene
 from tests.control.conftest import untrained
+from tests.cuda.device_cases import DEVICES
 from tests.sim.conftest import SCENES
-from tests.sim.device_cases import DEVICES
 
 CPU = torch.device("cpu")
 FIELDS = ("qpos", "tip_m", "action", "reward")

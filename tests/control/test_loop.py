@@ -10,8 +10,8 @@ from pipeline.contract.stage import WORKER
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.control.loop import SHARD, Loop, Workers
 from pipeline.control.policy import Controllers, parameters
+from pipeline.rendering.renderer import Images
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.images import Images
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds
 from pipeline.worldmodel.mdnrnn import MdnRnn

@@ -12,8 +12,8 @@ from stable_baselines3.common.env_checker import check_env
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.qlearning.actions import action_table
 from pipeline.qlearning.reach_env import ReachEnv, dqn_reward
+from pipeline.rendering.renderer import Images
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.images import Images
 from pipeline.sim.scene import load_scene
 from pipeline.sim.task import environment
 

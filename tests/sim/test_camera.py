@@ -11,10 +11,10 @@ import pytest
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
+from pipeline.rendering.renderer import model_seen_from
+from pipeline.rendering.visibility import to_pixels
 from pipeline.sim.camera import camera_to_world
-from pipeline.sim.images import model_seen_from
 from pipeline.sim.scene import CAMERA, Scene, load_scene
-from pipeline.sim.sight import to_pixels
 
 
 def test_theta_zero_looks_along_x_from_the_front(scene: Scene) -> None:

@@ -8,9 +8,9 @@ import pytest
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint
+from pipeline.rendering.renderer import Images
+from pipeline.sim.arm_controllers import wished_place
 from pipeline.sim.draws import Episodes, draw_episodes
-from pipeline.sim.drives import wished_place
-from pipeline.sim.images import Images
 from pipeline.sim.robots import UPRIGHT
 from pipeline.sim.scene import Scene, compile_scene
 from pipeline.sim.task import environment

@@ -13,7 +13,7 @@ import torch
 from pipeline import controller, evaluation
 from pipeline.control.device_loop import DeviceLoop
 from pipeline.sim.scene import Scene
-from tests.sim.device_cases import DEVICES
+from tests.cuda.device_cases import DEVICES
 from tests.stages.control_stages import VIEW, write_latents, write_params, write_probes, write_world_model
 
 SEARCHED = {"out": Path("controller"), "curve": Path("curve.csv")}

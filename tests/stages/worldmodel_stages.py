@@ -13,8 +13,8 @@ import yaml
 
 from pipeline.contract import zarrs
 from pipeline.contract.viewpoints import Viewpoint
+from pipeline.rendering.renderer import Images, target_pixels_unhidden
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.images import Images, target_pixels_unhidden
 from pipeline.sim.scene import load_scene
 from pipeline.sim.worlds import Worlds
 from tests.stores import write_store

@@ -16,10 +16,10 @@ from mujoco_warp import OverflowType
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.sim.device_drives import Wishes, device_drive
+from pipeline.cuda.arm_controllers import Wishes, device_drive
+from pipeline.rendering.renderer import Images
+from pipeline.sim.arm_controllers import Fields, drive
 from pipeline.sim.draws import Episodes
-from pipeline.sim.drives import Fields, drive
-from pipeline.sim.images import Images
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import not_a_number
 

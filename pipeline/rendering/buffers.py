@@ -11,7 +11,8 @@ import numpy as np
 import warp as wp
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.sim import packets, painting, raytracer, walk
+from pipeline.rendering import bvh, raytracer, shading
+from pipeline.rendering.ray_packets import KINDS, LANES, SIDE
 
 _UNSET_RGBA = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's default; a material's colour takes its place
 _LOCKED = 1e9  # N s/m; Fetch's base is held in place by 1e11, and moves by 2e-8 m in an episode
@@ -29,7 +30,7 @@ def drawn_geoms(model: mujoco.MjModel, groups: Sequence[int]) -> np.ndarray:
     """
     drawn = [g for g in range(model.ngeom) if model.geom_group[g] in groups and _rgba(model, g)[3] > 0]
     for geom in drawn:
-        if model.geom_type[geom] not in packets.KINDS:
+        if model.geom_type[geom] not in KINDS:
             kind = mujoco.mjtGeom(int(model.geom_type[geom])).name
             raise BelvedereError(
                 f"geom {model.geom(geom).name or geom} of the scene is a {kind}, which cannot be drawn; "
@@ -68,7 +69,7 @@ def geom_arrays(model: mujoco.MjModel, geoms: np.ndarray) -> tuple[wp.array, wp.
         listed.append(geom)
     return (
         wp.array(listed, dtype=raytracer.Geom, shape=len(listed)),
-        wp.array(np.pad(np.concatenate(faces).T, ((0, 0), (0, packets.LANES))), dtype=float),
+        wp.array(np.pad(np.concatenate(faces).T, ((0, 0), (0, LANES))), dtype=float),
         wp.array(np.concatenate(normals), dtype=wp.vec3),
     )
 
@@ -79,11 +80,11 @@ def view_of(
     """The camera with what light reaches everything, and its rays (3, r), world frame, packet by packet."""
     rotation = data.cam_xmat[camera].reshape(3, 3)
     focal = samples / 2 / np.tan(np.radians(model.cam_fovy[camera]) / 2)
-    padded = -(-samples // packets.SIDE) * packets.SIDE  # whole packets; what is too many is never painted
+    padded = -(-samples // SIDE) * SIDE  # whole packets; what is too many is never painted
     across = (np.arange(padded) + 0.5 - samples / 2) / focal
     rays = np.stack(np.broadcast_arrays(across, -across[:, None], -1.0), axis=-1) @ rotation.T
     rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
-    blocks = rays.reshape(padded // packets.SIDE, packets.SIDE, padded // packets.SIDE, packets.SIDE, 3)
+    blocks = rays.reshape(padded // SIDE, SIDE, padded // SIDE, SIDE, 3)
     ambient = model.vis.headlight.ambient + model.light_ambient[_lights(model)].sum(axis=0)
     view = raytracer.View()
     view.origin, view.rotation = wp.vec3(*data.cam_xpos[camera]), wp.mat33(*rotation.reshape(-1))
@@ -98,7 +99,7 @@ def lights_of(model: mujoco.MjModel, data: mujoco.MjData, camera: int) -> wp.arr
     Raises:
         BelvedereError: a light is not directional.
     """
-    headlight = painting.Light()
+    headlight = shading.Light()
     headlight.towards = wp.vec3(*data.cam_xmat[camera].reshape(3, 3)[:, 2])
     headlight.diffuse = wp.vec3(*model.vis.headlight.diffuse)
     lights = [headlight]
@@ -107,11 +108,11 @@ def lights_of(model: mujoco.MjModel, data: mujoco.MjData, camera: int) -> wp.arr
             raise BelvedereError(
                 f"light {model.light(number).name or number} of the scene is not directional; make it so."
             )
-        light = painting.Light()
+        light = shading.Light()
         light.towards = wp.vec3(*-data.light_xdir[number])
         light.diffuse = wp.vec3(*model.light_diffuse[number])
         lights.append(light)
-    return wp.array(lights, dtype=painting.Light)
+    return wp.array(lights, dtype=shading.Light)
 
 
 def _lights(model: mujoco.MjModel) -> list[int]:
@@ -140,7 +141,7 @@ def _triangles(model: mujoco.MjModel, mesh: int) -> np.ndarray:
 def _order(mesh: wp.Mesh) -> np.ndarray:
     """The mesh's faces as its search tree has them, leaf by leaf."""
     order = wp.zeros(len(mesh.indices) // 3, dtype=int)
-    wp.launch(walk.tree_order, dim=len(order), inputs=[mesh.id], outputs=[order])
+    wp.launch(bvh.tree_order, dim=len(order), inputs=[mesh.id], outputs=[order])
     return np.asarray(order.numpy())
 
 

@@ -7,7 +7,7 @@ import mujoco_warp as mjw
 import numpy as np
 import warp as wp
 
-from pipeline.sim import drawn, packets, painting, raytracer
+from pipeline.rendering import buffers, ray_packets, raytracer, shading
 
 
 class Tracer:
@@ -20,8 +20,8 @@ class Tracer:
         self.hits = raytracer.Hits()
         for name, kind in {"distance": float, "slot": int, "face": int, "u": float, "v": float}.items():
             setattr(self.hits, name, wp.zeros((worlds, rays.shape[1]), dtype=kind))
-        self.subject = painting.Subject()
-        self.subject.geoms, self._triangles, self.subject.corner_normals = drawn.geom_arrays(model, geoms)
+        self.subject = shading.Subject()
+        self.subject.geoms, self._triangles, self.subject.corner_normals = buffers.geom_arrays(model, geoms)
         self.subject.placed = wp.zeros((worlds, len(geoms)), dtype=raytracer.Placed)
         self.subject.view, self.subject.rays = view, rays
 
@@ -34,7 +34,7 @@ class Tracer:
             inputs=[subject.geoms, data.geom_xpos, data.geom_xmat, subject.view],
             outputs=[subject.placed, self._visible],
         )
-        side = -(-subject.view.samples // packets.SIDE)
+        side = -(-subject.view.samples // ray_packets.SIDE)
         wp.launch(
             raytracer.trace,
             dim=(n, side, side),
@@ -61,7 +61,7 @@ class StillLife:
         self.distance = tracer.hits.distance.flatten()
         self.rgb = wp.zeros(rays, dtype=wp.vec3)
         wp.launch(
-            painting.paint_still,
+            shading.paint_still,
             dim=rays,
             inputs=[tracer.hits, tracer.subject, background],
             outputs=[self.rgb],
@@ -69,7 +69,7 @@ class StillLife:
         size = tracer.subject.view.samples // antialias
         self.pixels = wp.zeros((size, size, 3), dtype=wp.uint8)
         wp.launch(
-            painting.paint_still_pixels,
+            shading.paint_still_pixels,
             dim=(size, size),
             inputs=[self.rgb, tracer.subject.view.samples, antialias],
             outputs=[self.pixels],

@@ -1,6 +1,7 @@
 """Ray-traced pictures of a batch of worlds from one viewpoint (Warp; needs no OpenGL).
 
-mujoco_warp poses the geoms; :mod:`pipeline.sim.raytracer` and :mod:`pipeline.sim.painting` draw them.
+mujoco_warp poses the geoms; :mod:`pipeline.rendering.raytracer` and :mod:`pipeline.rendering.shading` draw
+them.
 """
 
 from __future__ import annotations
@@ -18,11 +19,11 @@ import warp as wp
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.parts import places
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.sim import drawn, painting
+from pipeline.rendering import buffers, shading
+from pipeline.rendering.tracer import StillLife, Tracer
+from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.camera import camera_to_world
 from pipeline.sim.scene import CAMERA, TARGET_GROUP, Scene, initial_data
-from pipeline.sim.sight import PICTURE_SIZE
-from pipeline.sim.tracing import StillLife, Tracer
 
 VISIBLE_GROUPS = (0, 1, 2)
 _NO_GEOM = -2
@@ -94,8 +95,8 @@ class Images:
         mujoco.mj_forward(model, data)
         self._scene, self._antialias = scene, antialias
         self._target = scene.target_geom if segment else _NO_GEOM
-        geoms = drawn.drawn_geoms(model, groups)
-        still = drawn.still(model, geoms)
+        geoms = buffers.drawn_geoms(model, groups)
+        still = buffers.still(model, geoms)
         samples, camera = size * antialias, model.camera(CAMERA).id
         with wp.ScopedDevice(self._device):
             self._model = mjw.put_model(model)
@@ -103,8 +104,8 @@ class Images:
             initial = np.tile(initial_data(scene).qpos.astype(np.float32), (count, 1))
             self._data.qpos.assign(initial)  # where locked joints stand
             mjw.kinematics(self._model, self._data)
-            eye, rays = drawn.view_of(model, data, camera, samples)
-            lights = drawn.lights_of(model, data, camera)
+            eye, rays = buffers.view_of(model, data, camera, samples)
+            lights = buffers.lights_of(model, data, camera)
             fixed = Tracer(model, geoms[still], 1, eye, rays)
             self._tracer = Tracer(model, geoms[~still], count, eye, rays)
             fixed.subject.lights = self._tracer.subject.lights = lights
@@ -140,7 +141,7 @@ class Images:
             self._tracer.trace(n, data, self._still.distance)
             self._seen.zero_()
             wp.launch(
-                painting.paint,
+                shading.paint,
                 dim=(n, self._rgb.shape[1]),
                 inputs=[
                     *(self._tracer.hits, self._tracer.subject, self._still.rgb, self._still.pixels),

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import warp as wp
 
-from pipeline.sim.packets import LANES, MESH, SIDE, meet_primitive
-from pipeline.sim.raytracer import Geom, Hits, Placed, View
+from pipeline.rendering.ray_packets import LANES, MESH, SIDE, meet_primitive
+from pipeline.rendering.raytracer import Geom, Hits, Placed, View
 
 wp.set_module_options({"enable_backward": False, "fast_math": True})
 

@@ -1,4 +1,4 @@
-"""`python -m pipeline.sim.preview`: a viewpoint's picture, large and as the world model sees it."""
+"""`python -m pipeline.rendering.preview`: a viewpoint's picture, large and as the world model sees it."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pipeline.contract import params, seeds
 from pipeline.contract.artefacts import writing
 from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import viewpoint
-from pipeline.sim.images import Images
+from pipeline.rendering.renderer import Images
+from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import load_scene
-from pipeline.sim.sight import PICTURE_SIZE
 from pipeline.sim.task import environment
 
 _LARGE = 512  # side of the picture for people, pixels

@@ -9,16 +9,16 @@ import warp as wp
 from mujoco_warp import OverflowType
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.sim import device_worlds
-from pipeline.sim.device_worlds import DeviceWorlds, start_fields
+from pipeline.cuda import worlds as device_worlds
+from pipeline.cuda.worlds import DeviceWorlds, start_fields
+from pipeline.rendering.renderer import Images
+from pipeline.sim.arm_controllers import drive
 from pipeline.sim.draws import Episodes, draw_episodes
-from pipeline.sim.drives import drive
-from pipeline.sim.images import Images
 from pipeline.sim.scene import Scene
 from pipeline.sim.task import environment
 from pipeline.sim.worlds import Worlds
+from tests.cuda.device_cases import DEVICES
 from tests.sim.conftest import SCENES, VIEWS, compiled
-from tests.sim.device_cases import DEVICES
 
 COUNT, SHORT = 2, 3
 # mujoco_warp computes in float32. The Panda stays within a few micrometres of MuJoCo; Fetch, whose
@@ -118,7 +118,7 @@ def test_the_graph_does_what_its_kernels_do_one_by_one(
     scene = compiled(name)
     worlds, (episodes, actions) = DeviceWorlds(scene, view(scene), COUNT, device), drawn(scene, SHORT)
     graph = play(worlds, episodes, actions)
-    monkeypatch.setattr(worlds, "step", lambda: one_by_one(worlds))
+    monkeypatch.setattr(device_worlds, "step", lambda: one_by_one(worlds))
     alike(graph, play(worlds, episodes, actions), device)
 
 

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import warp as wp
 
-from pipeline.sim import device_ik
-from pipeline.sim.device_drives import DeviceJointDrive, DeviceMocapDrive, Wishes
+from pipeline.cuda import ik
+from pipeline.cuda.arm_controllers import DeviceJointDrive, DeviceMocapDrive, Wishes
+from pipeline.sim.arm_controllers import Hand, JointDrive, wished_place
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.drives import Hand, JointDrive, wished_place
 from pipeline.sim.robots import UPRIGHT
+from tests.cuda.device_cases import DEVICES
 from tests.sim.conftest import compiled
-from tests.sim.device_cases import DEVICES
 
 COUNT, FRAMES = 5, 8
 COMMAND_RAD = 1e-5  # poses are float32 on a device
@@ -61,10 +61,8 @@ def test_joints_stay_within_their_ranges_out_of_reach(device: str) -> None:
 
 
 @wp.kernel
-def _solve(
-    gram: wp.array[device_ik._Matrix], right: wp.array[device_ik._Vector], found: wp.array[device_ik._Vector]
-):
-    found[wp.tid()] = device_ik.solved(gram[wp.tid()], right[wp.tid()])
+def _solve(gram: wp.array[ik._Matrix], right: wp.array[ik._Vector], found: wp.array[ik._Vector]):
+    found[wp.tid()] = ik.solved(gram[wp.tid()], right[wp.tid()])
 
 
 @pytest.mark.parametrize("device", DEVICES)
@@ -72,8 +70,8 @@ def test_choleskys_factors_solve_the_system(device: str) -> None:
     half = RNG.standard_normal((7, 6, 4))  # of rank 4: the damping alone makes the rest solvable
     gram, right = half @ half.transpose(0, 2, 1) + 1e-6 * np.eye(6), RNG.standard_normal((7, 6))
     with wp.ScopedDevice(device):
-        found = wp.zeros(7, dtype=device_ik._Vector)
-        arrays = wp.array(gram, dtype=device_ik._Matrix), wp.array(right, dtype=device_ik._Vector)
+        found = wp.zeros(7, dtype=ik._Vector)
+        arrays = wp.array(gram, dtype=ik._Matrix), wp.array(right, dtype=ik._Vector)
         wp.launch(_solve, dim=7, inputs=[*arrays], outputs=[found])
         expected = np.linalg.solve(gram, right[..., None])[..., 0]
         np.testing.assert_allclose(found.numpy(), expected, rtol=1e-7)

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import warp as wp
 
-from pipeline.sim.packets import LANES, MESH, PLANE, SIDE, meet_primitive
-from pipeline.sim.walk import meet_mesh
+from pipeline.rendering.bvh import meet_mesh
+from pipeline.rendering.ray_packets import LANES, MESH, PLANE, SIDE, meet_primitive
 
 wp.set_module_options({"enable_backward": False, "fast_math": True})
 

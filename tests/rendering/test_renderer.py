@@ -14,11 +14,11 @@ import warp as wp
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.sim.drawn import still
+from pipeline.rendering.buffers import still
+from pipeline.rendering.renderer import Gallery, Images, model_seen_from, target_pixels_unhidden
+from pipeline.rendering.visibility import PICTURE_SIZE, Sight
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.images import Gallery, Images, model_seen_from, target_pixels_unhidden
 from pipeline.sim.scene import CAMERA, Scene
-from pipeline.sim.sight import PICTURE_SIZE, Sight
 from pipeline.sim.worlds import Worlds
 from tests.sim.conftest import SCENES, VIEWS, compiled
 

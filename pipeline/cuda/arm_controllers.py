@@ -1,4 +1,4 @@
-"""The drives of :mod:`pipeline.sim.drives` as Warp kernels, for worlds that stay on a device."""
+"""The drives of :mod:`pipeline.sim.arm_controllers` as Warp kernels, for worlds that stay on a device."""
 
 # mypy: disable-error-code="misc, index"
 # (a kernel is no Python: its values have other types inside than outside)
@@ -11,8 +11,8 @@ import mujoco_warp as mjw
 import numpy as np
 import warp as wp
 
-from pipeline.sim import device_ik
-from pipeline.sim.drives import NEWTON_STEPS, Fields
+from pipeline.cuda import ik
+from pipeline.sim.arm_controllers import NEWTON_STEPS, Fields
 from pipeline.sim.robots import UPRIGHT
 from pipeline.sim.scene import Scene
 
@@ -25,7 +25,7 @@ class DeviceDrive(Protocol):
     """Turns wished tip places into fields of ``count`` simulations, without the host."""
 
     def reset(self, fields: Fields) -> None:
-        """Begins with the state that :meth:`pipeline.sim.drives.Drive.reset` gives."""
+        """Begins with the state that :meth:`pipeline.sim.arm_controllers.Drive.reset` gives."""
 
     def move(self, data: mjw.Data, tip: wp.array, wished: wp.array) -> None:
         """Writes the controls of ``data`` that bring each tip (n,) towards its wished place (n,), m."""
@@ -58,7 +58,7 @@ def wish(
 
 
 class Wishes:
-    """Wished tip places of ``count`` worlds; see :func:`pipeline.sim.drives.wished_place`."""
+    """Wished tip places of ``count`` worlds; see :func:`pipeline.sim.arm_controllers.wished_place`."""
 
     def __init__(self, scene: Scene, count: int) -> None:
         self.start, self.wished = wp.zeros(count, dtype=wp.vec3), wp.zeros(count, dtype=wp.vec3)
@@ -81,12 +81,12 @@ class Wishes:
 
 
 class DeviceJointDrive:
-    """Inverse kinematics to position actuators; see :class:`pipeline.sim.drives.JointDrive`."""
+    """Inverse kinematics to position actuators; see :class:`pipeline.sim.arm_controllers.JointDrive`."""
 
     def __init__(self, scene: Scene, model: mjw.Model, count: int) -> None:
         self._model = model
         self._ghost = mjw.make_data(scene.model, nworld=count, nconmax=1, njmax=1)
-        self._arm = device_ik.arm(scene)
+        self._arm = ik.arm(scene)
         joints = scene.model.actuator_trnid[:, 0]
         self._actuated = wp.array(scene.model.jnt_qposadr[joints], dtype=int)
 
@@ -95,7 +95,7 @@ class DeviceJointDrive:
 
     def move(self, data: mjw.Data, tip: wp.array, wished: wp.array) -> None:
         for _ in range(NEWTON_STEPS):
-            device_ik.newton(self._model, self._ghost, self._arm, wished)
+            ik.newton(self._model, self._ghost, self._arm, wished)
         wp.launch(
             command, dim=data.ctrl.shape, inputs=[self._ghost.qpos, self._actuated], outputs=[data.ctrl]
         )
@@ -109,7 +109,7 @@ def command(qpos: wp.array2d[float], actuated: wp.array[int], ctrl: wp.array2d[f
 
 
 class DeviceMocapDrive:
-    """A weld to a mocap body; see :class:`pipeline.sim.drives.MocapDrive`."""
+    """A weld to a mocap body; see :class:`pipeline.sim.arm_controllers.MocapDrive`."""
 
     def __init__(self, scene: Scene, model: mjw.Model, count: int) -> None:
         self._body = int(scene.model.site_bodyid[scene.tip_site])

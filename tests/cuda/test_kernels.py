@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 import warp as wp
 
-from pipeline.sim import device_drives, device_ik, device_worlds, drawn, packets, painting, raytracer, walk
+from pipeline.cuda import arm_controllers, ik, worlds
+from pipeline.rendering import buffers, bvh, ray_packets, raytracer, shading
 from tests.sim.conftest import compiled
 
 HOPPER = 90  # compute capability 9.0: H100 and H200
-MODULES = (raytracer, painting, device_ik, device_drives, device_worlds)
+MODULES = (raytracer, shading, ik, arm_controllers, worlds)
 
 
 def kernels(module: ModuleType) -> set[str]:
@@ -35,7 +36,7 @@ def test_a_module_compiles_for_cuda(module: ModuleType, tmp_path: Path) -> None:
         assert any(entry.startswith(f"{name}_") for entry in entries), (name, entries)
 
 
-@wp.func_native(walk._QUERY.replace("defined(__CUDA_ARCH__)", "1"))
+@wp.func_native(bvh._QUERY.replace("defined(__CUDA_ARCH__)", "1"))
 def meet_mesh_as_on_cuda(
     mesh_id: wp.uint64,
     triangles: wp.array2d[float],
@@ -52,7 +53,7 @@ def meet_mesh_as_on_cuda(
     us: wp.array2d[float],
     vs: wp.array2d[float],
 ) -> float:
-    """What :func:`pipeline.sim.walk.meet_mesh` is on CUDA, on the CPU: each ray alone."""
+    """What :func:`pipeline.rendering.bvh.meet_mesh` is on CUDA, on the CPU: each ray alone."""
 
 
 @wp.kernel
@@ -74,7 +75,7 @@ def meet(
             mesh, triangles, 0, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs
         )
     else:
-        walk.meet_mesh(mesh, triangles, 0, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs)
+        bvh.meet_mesh(mesh, triangles, 0, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs)
 
 
 @pytest.mark.parametrize("inside", [False, True])
@@ -82,16 +83,16 @@ def test_rays_meet_alone_what_they_meet_in_packets(inside: bool) -> None:
     """CUDA takes another way through a mesh than the CPU; both must see the same, and pass over backs."""
     model, packs = compiled("panda_2dof").model, 64
     geom = int(np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_MESH)[-1])
-    points = drawn._faces(model, int(model.geom_dataid[geom]))[0]
+    points = buffers._faces(model, int(model.geom_dataid[geom]))[0]
     middle, size = points.mean(axis=0), np.ptp(points, axis=0).max()
     origin = middle + (0.0 if inside else size) * np.array([1.0, 1.5, 0.5])
-    aims = middle + 0.4 * size * np.random.default_rng(1).uniform(-1, 1, (packs * packets.LANES, 3))
+    aims = middle + 0.4 * size * np.random.default_rng(1).uniform(-1, 1, (packs * ray_packets.LANES, 3))
     directions = (aims - origin) / np.linalg.norm(aims - origin, axis=1, keepdims=True)
     found = []
     with wp.ScopedDevice("cpu"):
         mesh, triangles = (
-            drawn._mesh(model, int(model.geom_dataid[geom])),
-            drawn.geom_arrays(model, [geom])[1],
+            buffers._mesh(model, int(model.geom_dataid[geom])),
+            buffers.geom_arrays(model, [geom])[1],
         )
         rays = wp.array(directions.T, dtype=float)
         for as_on_cuda in (True, False):

@@ -11,9 +11,9 @@ from pipeline.contract import zarrs
 from pipeline.contract.parts import InParts
 from pipeline.contract.progress import Progress
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.sim.images import Gallery, Images, target_pixels_unhidden
+from pipeline.rendering.renderer import Gallery, Images, target_pixels_unhidden
+from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import Scene
-from pipeline.sim.sight import PICTURE_SIZE
 
 _LARGE = 512  # side of the picture for people, pixels
 

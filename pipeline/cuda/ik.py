@@ -1,4 +1,4 @@
-"""Inverse kinematics as a Warp kernel: what :class:`pipeline.sim.drives.JointDrive` does on the CPU."""
+"""Inverse kinematics as a Warp kernel: :class:`pipeline.sim.arm_controllers.JointDrive` on the CPU."""
 
 # mypy: disable-error-code="misc, index, valid-type, operator"
 # (a kernel is no Python: its values have other types inside than outside)
@@ -9,7 +9,7 @@ import mujoco
 import mujoco_warp as mjw
 import warp as wp
 
-from pipeline.sim.drives import DAMPING
+from pipeline.sim.arm_controllers import DAMPING
 from pipeline.sim.scene import Scene, initial_data
 
 wp.set_module_options({"enable_backward": False})

@@ -11,10 +11,10 @@ import pytest
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
+from pipeline.rendering.visibility import PICTURE_SIZE, Sight, refuse_hidden_targets
 from pipeline.sim.camera import camera_to_world
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene, compile_scene
-from pipeline.sim.sight import PICTURE_SIZE, Sight, refuse_hidden_targets
 from pipeline.sim.worlds import Worlds
 from tests.sim.conftest import compiled
 

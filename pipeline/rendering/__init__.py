@@ -1,0 +1,1 @@
+"""Pictures: the ray tracer, and what a camera can see."""
