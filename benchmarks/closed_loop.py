@@ -12,7 +12,7 @@ from benchmarks.loops import VIEWS, WORLDS, Setting, candidates, setting
 from benchmarks.rows import Row, goal_row
 from pipeline.contract.machine import cores
 from pipeline.control.policy import Controllers
-from pipeline.rendering.renderer import Gallery
+from pipeline.rendering.renderer import ParallelRenderer
 from pipeline.sim.draws import draw_episodes
 
 ROUNDS = 5
@@ -29,19 +29,19 @@ def measure() -> list[Row]:
 def measure_scene(chosen: Setting) -> Row:
     """The row of one scene."""
     scene, loop = chosen.scene, chosen.loop(cores())
-    gallery = Gallery(scene, chosen.view, cores())
+    renderer = ParallelRenderer(scene, chosen.view, cores())
     episodes = draw_episodes(scene, WORLDS, np.random.default_rng(1))
     controllers = Controllers.of(candidates(scene, WORLDS), scene.action_size)
     trace = loop.run(controllers, episodes)  # also the first call, which compiles
     seen = trace.qpos[:, :-1].reshape(-1, trace.qpos.shape[2])  # the states that the closed loop rendered
     targets = np.repeat(episodes.target_m, scene.frames, axis=0)
-    gallery.render(seen[:WORLDS], targets[:WORLDS], drawn=lambda count: None)
+    renderer.render(seen[:WORLDS], targets[:WORLDS], drawn=lambda count: None)
     ours, peer = [], []
     for _ in range(ROUNDS):
         begin = time.perf_counter()
         loop.run(controllers, episodes)
         middle = time.perf_counter()
-        gallery.render(seen, targets, drawn=lambda count: None)
+        renderer.render(seen, targets, drawn=lambda count: None)
         end = time.perf_counter()
         ours.append(WORLDS * scene.frames / (middle - begin))
         peer.append(WORLDS * scene.frames / (end - middle))

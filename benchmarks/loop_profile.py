@@ -101,8 +101,8 @@ def timed_loop(chosen: Setting, clock: Clock) -> Loop:
         (worker.images, "render", RENDER),
         (worker.worlds, "reset", "physics"),
         (worker.worlds, "step", "physics"),
-        (worker.worlds._drive, "reset", "IK"),
-        (worker.worlds._drive, "move", "IK"),
+        (worker.worlds._arm_controller, "reset", "IK"),
+        (worker.worlds._arm_controller, "move", "IK"),
         (rnn, "step", "RNN"),
     )
     for thing, method, part in watched:

@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.rows import Row, goal_row
 from pipeline.contract import params
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.rendering.renderer import Images, model_seen_from
+from pipeline.rendering.renderer import Renderer, model_seen_from
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import CAMERA, Scene, load_scene
@@ -34,7 +34,7 @@ def measure() -> list[Row]:
 def measure_view(scene: Scene, view: Viewpoint) -> Row:
     """The row of one view: medians over rounds in which both draw the same states in turn."""
     qpos, target_m = states(scene)
-    images, stripped = Images(scene, view, WORLDS), Stripped(scene, view)
+    images, stripped = Renderer(scene, view, WORLDS), Stripped(scene, view)
     images.render(qpos, target_m)  # the first call compiles
     stripped.render(qpos, target_m)
     ours, peer = [], []

@@ -23,7 +23,7 @@ from pipeline.contract.machine import cores
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.learning.device import Compute, compute
 from pipeline.learning.training import seeded
-from pipeline.rendering.renderer import Images
+from pipeline.rendering.renderer import Renderer
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import load_scene
 from pipeline.sim.worlds import Worlds
@@ -48,7 +48,7 @@ class PublishedVae(Vae):
         return self.mean(hidden.flatten(1)), self.log_variance(hidden.flatten(1))
 
     def decode(self, latents: Tensor) -> Tensor:
-        hidden = self.spread(latents)[:, :, None, None]
+        hidden = self.decoder_input(latents)[:, :, None, None]
         for layer in (self.deconv1, self.deconv2, self.deconv3):
             hidden = F.relu(layer(hidden))
         return torch.sigmoid(self.deconv4(hidden))
@@ -66,7 +66,7 @@ def rendered(count: int) -> np.ndarray:
     scene = load_scene(SCENE)
     worlds = Worlds(scene, count)
     worlds.reset(draw_episodes(scene, count, np.random.default_rng(1)))
-    images = Images(scene, Viewpoint(scene=SCENE, theta=THETA_DEG, phi=PHI_DEG), count)
+    images = Renderer(scene, Viewpoint(scene=SCENE, theta=THETA_DEG, phi=PHI_DEG), count)
     return images.render(worlds.qpos, worlds.target).copy()
 
 

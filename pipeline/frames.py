@@ -18,7 +18,7 @@ from pipeline.contract.scratch import digest_files
 from pipeline.contract.source import code_digest
 from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
-from pipeline.rendering.renderer import Gallery
+from pipeline.rendering.renderer import ParallelRenderer
 from pipeline.rendering.replay import render, write_pictures
 from pipeline.rendering.visibility import refuse_hidden_targets
 from pipeline.sim.scene import Scene, load_scene
@@ -51,8 +51,8 @@ class Studio:
         self._scene, self._view = scene, view
 
     @cached_property
-    def _gallery(self) -> Gallery:
-        return Gallery(self._scene, self._view, cores(), segment=True)
+    def _renderer(self) -> ParallelRenderer:
+        return ParallelRenderer(self._scene, self._view, cores(), segment=True)
 
     def repeat(self, store: zarrs.Store, repeat: int) -> Path:
         """The scratch folder of one repeat's finished frames."""
@@ -63,7 +63,7 @@ class Studio:
             episodes, frames = store.shape("reward")
             what = f"frames {self._scene.name} ({self._view.theta:g}°, {self._view.phi:g}°), repeat {repeat}"
             with Progress(episodes * frames, what) as progress:
-                arrays = render(self._gallery, store, repeat, progress)
+                arrays = render(self._renderer, store, repeat, progress)
                 zarrs.write(results / REPEAT, zarrs.FRAMES, arrays, facts)
 
         decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "facts": facts}

@@ -9,7 +9,7 @@ from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import unknown
 from pipeline.contract.stage import entry
 from pipeline.contract.tables import read_model
-from pipeline.reporting import twins
+from pipeline.reporting import exports
 from pipeline.reporting.page import Made, Reference, render
 from pipeline.reporting.provenance import revision
 from pipeline.reporting.results import read_coverage, read_results
@@ -48,7 +48,7 @@ def main(
     start = str(params.value("controller", "first"))
     made = Made(revision(), _parameters(), _random_frames(), start)
     page = render(scenes, missing, reference, pictures, made)
-    twins.write(tables, twins.tables(scenes, reference))
+    exports.write(tables, exports.tables(scenes, reference))
     with writing(out) as aside:
         aside.write_text(page, encoding="utf-8")
 

@@ -16,12 +16,12 @@ from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.machine import CORES_VARIABLE, cores
 from runner.dvc import read_faster
 from runner.lock import check_lock
+from runner.messages import announcement, answers
 from runner.parameters import check_parameters
 from runner.plan import read_pipeline
 from runner.race import Race, allocate, soonest_answered
 from runner.rwlock import drop_damaged_rwlock
 from runner.schedule import DVC, Schedule
-from runner.words import announcement, answers
 
 _NVIDIA = Path("/dev/nvidiactl")  # there where CUDA is
 
@@ -105,7 +105,7 @@ def repro() -> int:
         signal.signal(signal.SIGINT, former)
 
 
-def _heed_signals() -> None:
+def _handle_signals() -> None:
     """Makes a wish to end, or a closed terminal (unless nohup ignores it), as good as Ctrl-C."""
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:
@@ -113,7 +113,7 @@ def _heed_signals() -> None:
 
 
 if __name__ == "__main__":
-    _heed_signals()
+    _handle_signals()
     try:
         sys.exit(main(sys.argv[1:]))
     except BelvedereError as error:

@@ -95,7 +95,7 @@ def start_faster() -> None:
         if words[:2] != ["python", "-m"] or words[2].removeprefix("pipeline.") not in STAGES:
             slow(executable, command, **how)
             return
-        former = signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the stage's to heed, as DVC has it
+        former = signal.signal(signal.SIGINT, signal.SIG_IGN)  # the stage handles Ctrl-C, as DVC has it
         try:
             status = warm.run(words[2], words[3:], str(how["cwd"]), how["env"])
         finally:

@@ -77,7 +77,7 @@ class Schedule:
             print("stopped; what is done stays done", flush=True)
             raise KeyboardInterrupt
         if failed:
-            raise BelvedereError("\n".join(_obituary(process) for process in failed))
+            raise BelvedereError("\n".join(_failure_message(process) for process in failed))
 
     def _run(self, jobs: Sequence[Job], interrupts: Interrupts) -> list[_Process]:
         """Runs jobs until none is left, one fails or the user interrupts; returns the failed ones."""
@@ -169,7 +169,7 @@ class Schedule:
         return [p for p in self._running if p.child.poll() is None]
 
 
-def _obituary(process: _Process) -> str:
+def _failure_message(process: _Process) -> str:
     lines = process.log.read_text(encoding="utf-8", errors="replace").splitlines()
     tail = "\n".join(f"    {line}" for line in lines[-TAIL_LINES:])
     return (

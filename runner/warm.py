@@ -59,7 +59,7 @@ def _begin() -> socket.socket:
 def serve(descriptor: int, parent: int) -> None:
     """Waits for stages until the other end is closed or the parent has ended."""
     _die_with(parent)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the stage's to heed
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the stage's to handle
     for name in LIBRARIES:
         importlib.import_module(name)
     gc.freeze()  # so that no stage walks through the libraries' objects

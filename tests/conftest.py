@@ -87,8 +87,8 @@ def gpu() -> None:
 
 
 @pytest.fixture
-def heeded_signals() -> Iterator[None]:
-    """Wishes to end are heeded, as on a terminal: what was started by nohup or `&` ignores them."""
+def handled_signals() -> Iterator[None]:
+    """Setpoints to end are heeded, as on a terminal: what was started by nohup or `&` ignores them."""
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     ignored = [number for number in numbers if signal.getsignal(number) == signal.SIG_IGN]
     for number in ignored:

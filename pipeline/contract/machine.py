@@ -12,12 +12,12 @@ CORES_VARIABLE = "BELVEDERE_CORES"
 
 def cores() -> int:
     """How many cores to use: ``$BELVEDERE_CORES``, or all that this process may run on."""
-    wished = os.environ.get(CORES_VARIABLE)
-    if wished is None:
+    asked = os.environ.get(CORES_VARIABLE)
+    if asked is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if not wished.isdigit() or int(wished) < 1:
-        raise BelvedereError(f"{CORES_VARIABLE} = {wished!r} is not valid; it is a whole number from 1 up.")
-    return int(wished)
+    if not asked.isdigit() or int(asked) < 1:
+        raise BelvedereError(f"{CORES_VARIABLE} = {asked!r} is not valid; it is a whole number from 1 up.")
+    return int(asked)
 
 
 def processor() -> str:

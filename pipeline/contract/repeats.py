@@ -61,7 +61,7 @@ def finished_together(
         A folder for each repeat, complete, which must not be changed.
     """
     homes = {repeat: scratch.folder(stage, repeat, **facts) for repeat, facts in decides.items()}
-    with scratch.alone_in(homes.values()):
+    with scratch.locked(homes.values()):
         _make_missing(homes, make)
     return [home / "results" for home in homes.values()]
 

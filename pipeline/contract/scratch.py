@@ -67,7 +67,7 @@ def folder(stage: str, repeat: int, **decides: Any) -> Path:
 
 
 @contextmanager
-def alone_in(folders: Iterable[Path]) -> Iterator[None]:
+def locked(folders: Iterable[Path]) -> Iterator[None]:
     """Within it no other process is in any of these folders of the store; waits for its turn.
 
     Branches with the same viewpoint have the same keys, and ``./run --jobs`` makes them side by side.

@@ -9,7 +9,7 @@ from PIL import Image
 
 from pipeline.contract.artefacts import writing
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.rendering.renderer import Images
+from pipeline.rendering.renderer import Renderer
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import Scene
 
@@ -29,8 +29,8 @@ def write_clip(path: Path, scene: Scene, view: Viewpoint, qpos: np.ndarray, targ
         target_m: the target, shape (3,), m.
     """
     targets = np.repeat(target_m[None], len(qpos), axis=0)
-    large = Images(scene, view, len(qpos), size=_SIDE, antialias=2).render(qpos, targets)
-    small = Images(scene, view, len(qpos)).render(qpos, targets)
+    large = Renderer(scene, view, len(qpos), size=_SIDE, antialias=2).render(qpos, targets)
+    small = Renderer(scene, view, len(qpos)).render(qpos, targets)
     times = _SIDE // PICTURE_SIZE
     seen = small.repeat(times, axis=1).repeat(times, axis=2)
     first, *rest = (Image.fromarray(frame) for frame in np.concatenate([large, seen], axis=2))

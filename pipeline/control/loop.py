@@ -17,7 +17,7 @@ import torch
 from pipeline.contract.stage import WORKER
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.control.policy import Controllers
-from pipeline.rendering.renderer import Images
+from pipeline.rendering.renderer import Renderer
 from pipeline.sim.draws import Episodes
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds
@@ -63,7 +63,7 @@ class _Worker:
     """One shard's simulations and pictures; used by one thread at a time."""
 
     def __init__(self, scene: Scene, view: Viewpoint) -> None:
-        self.worlds, self.images = Worlds(scene, SHARD), Images(scene, view, SHARD)
+        self.worlds, self.images = Worlds(scene, SHARD), Renderer(scene, view, SHARD)
 
     def run(self, encoder: Encoder, rnn: MdnRnn, controllers: Controllers, episodes: Episodes) -> Trace:
         worlds, state = self.worlds, rnn.initial_state(SHARD)

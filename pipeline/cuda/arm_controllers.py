@@ -1,4 +1,4 @@
-"""The drives of :mod:`pipeline.sim.arm_controllers` as Warp kernels, for worlds that stay on a device."""
+"""The arm controllers of :mod:`pipeline.sim.arm_controllers` as Warp kernels, for worlds that stay on a device."""
 
 # mypy: disable-error-code="misc, index"
 # (a kernel is no Python: its values have other types inside than outside)
@@ -21,18 +21,18 @@ wp.set_module_options({"enable_backward": False})
 _UPRIGHT = wp.constant(wp.quat(*UPRIGHT))  # w first, as MuJoCo has it
 
 
-class DeviceDrive(Protocol):
-    """Turns wished tip places into fields of ``count`` simulations, without the host."""
+class DeviceArmController(Protocol):
+    """Turns setpoints into fields of ``count`` simulations, without the host."""
 
     def reset(self, fields: Fields) -> None:
-        """Begins with the state that :meth:`pipeline.sim.arm_controllers.Drive.reset` gives."""
+        """Begins with the state that :meth:`pipeline.sim.arm_controllers.ArmController.reset` gives."""
 
-    def move(self, data: mjw.Data, tip: wp.array, wished: wp.array) -> None:
-        """Writes the controls of ``data`` that bring each tip (n,) towards its wished place (n,), m."""
+    def move(self, data: mjw.Data, tip: wp.array, setpoint: wp.array) -> None:
+        """Writes the controls of ``data`` that bring each tip (n,) towards its setpoint place (n,), m."""
 
 
 @wp.kernel
-def wish(
+def write_setpoints(
     action: wp.array2d[float],
     tip: wp.array[wp.vec3],
     start: wp.array[wp.vec3],
@@ -40,7 +40,7 @@ def wish(
     low: wp.vec3,
     high: wp.vec3,
     displacement_m: float,
-    wished: wp.array[wp.vec3],
+    setpoint: wp.array[wp.vec3],
     refused: wp.array[int],
 ) -> None:
     """Where each tip should go; an action that is no number is counted in ``refused`` and moves nothing."""
@@ -54,14 +54,14 @@ def wish(
             share = 0.0
         step = displacement_m * wp.clamp(share, -1.0, 1.0)
         place[axis] = wp.clamp(tip[world][axis] + step, low[axis], high[axis])
-    wished[world] = place
+    setpoint[world] = place
 
 
-class Wishes:
-    """Wished tip places of ``count`` worlds; see :func:`pipeline.sim.arm_controllers.wished_place`."""
+class Setpoints:
+    """Setpoints of ``count`` worlds; see :func:`pipeline.sim.arm_controllers.next_setpoint`."""
 
     def __init__(self, scene: Scene, count: int) -> None:
-        self.start, self.wished = wp.zeros(count, dtype=wp.vec3), wp.zeros(count, dtype=wp.vec3)
+        self.start, self.setpoint = wp.zeros(count, dtype=wp.vec3), wp.zeros(count, dtype=wp.vec3)
         self.refused = wp.zeros(1, dtype=int)
         workspace = scene.params.workspace
         self._axes = wp.array(list(scene.axes), dtype=int)
@@ -72,32 +72,32 @@ class Wishes:
         """The places (n,), m, that actions (n, action_size) lead to from tips (n,)."""
         limits = [self._low, self._high, self._displacement_m]
         wp.launch(
-            wish,
+            write_setpoints,
             dim=len(tip),
             inputs=[action, tip, self.start, self._axes, *limits],
-            outputs=[self.wished, self.refused],
+            outputs=[self.setpoint, self.refused],
         )
-        return self.wished
+        return self.setpoint
 
 
-class DeviceJointDrive:
-    """Inverse kinematics to position actuators; see :class:`pipeline.sim.arm_controllers.JointDrive`."""
+class DeviceJointController:
+    """Inverse kinematics to position actuators; see :class:`pipeline.sim.arm_controllers.JointController`."""
 
     def __init__(self, scene: Scene, model: mjw.Model, count: int) -> None:
         self._model = model
-        self._ghost = mjw.make_data(scene.model, nworld=count, nconmax=1, njmax=1)
+        self._ik_state = mjw.make_data(scene.model, nworld=count, nconmax=1, njmax=1)
         self._arm = ik.arm(scene)
         joints = scene.model.actuator_trnid[:, 0]
         self._actuated = wp.array(scene.model.jnt_qposadr[joints], dtype=int)
 
     def reset(self, fields: Fields) -> None:
-        self._ghost.qpos.assign(np.asarray(fields["qpos"], dtype=np.float32))
+        self._ik_state.qpos.assign(np.asarray(fields["qpos"], dtype=np.float32))
 
-    def move(self, data: mjw.Data, tip: wp.array, wished: wp.array) -> None:
+    def move(self, data: mjw.Data, tip: wp.array, setpoint: wp.array) -> None:
         for _ in range(NEWTON_STEPS):
-            ik.newton(self._model, self._ghost, self._arm, wished)
+            ik.newton(self._model, self._ik_state, self._arm, setpoint)
         wp.launch(
-            command, dim=data.ctrl.shape, inputs=[self._ghost.qpos, self._actuated], outputs=[data.ctrl]
+            command, dim=data.ctrl.shape, inputs=[self._ik_state.qpos, self._actuated], outputs=[data.ctrl]
         )
 
 
@@ -108,8 +108,8 @@ def command(qpos: wp.array2d[float], actuated: wp.array[int], ctrl: wp.array2d[f
     ctrl[world, actuator] = qpos[world, actuated[actuator]]
 
 
-class DeviceMocapDrive:
-    """A weld to a mocap body; see :class:`pipeline.sim.arm_controllers.MocapDrive`."""
+class DeviceMocapController:
+    """A weld to a mocap body; see :class:`pipeline.sim.arm_controllers.MocapController`."""
 
     def __init__(self, scene: Scene, model: mjw.Model, count: int) -> None:
         self._body = int(scene.model.site_bodyid[scene.tip_site])
@@ -118,11 +118,11 @@ class DeviceMocapDrive:
     def reset(self, fields: Fields) -> None:
         """Keeps nothing of an episode."""
 
-    def move(self, data: mjw.Data, tip: wp.array, wished: wp.array) -> None:
+    def move(self, data: mjw.Data, tip: wp.array, setpoint: wp.array) -> None:
         wp.launch(
             pull,
             dim=len(tip),
-            inputs=[data.xpos, data.xquat, self._body, tip, wished, self._mocap],
+            inputs=[data.xpos, data.xquat, self._body, tip, setpoint, self._mocap],
             outputs=[data.mocap_pos, data.mocap_quat],
         )
 
@@ -130,22 +130,22 @@ class DeviceMocapDrive:
 @wp.kernel
 def pull(
     place: wp.array2d[wp.vec3],
-    turn: wp.array2d[wp.quat],
+    rotation: wp.array2d[wp.quat],
     body: int,
     tip: wp.array[wp.vec3],
-    wished: wp.array[wp.vec3],
+    setpoint: wp.array[wp.vec3],
     mocap: int,
     mocap_place: wp.array2d[wp.vec3],
     mocap_turn: wp.array2d[wp.quat],
 ) -> None:
     """Sets the mocap body to where the hand is, moved by what the tip lacks and turned towards upright."""
     world = wp.tid()
-    mocap_place[world, mocap] = place[world, body] + (wished[world] - tip[world])
-    mocap_turn[world, mocap] = turn[world, body] + _UPRIGHT
+    mocap_place[world, mocap] = place[world, body] + (setpoint[world] - tip[world])
+    mocap_turn[world, mocap] = rotation[world, body] + _UPRIGHT
 
 
-def device_drive(scene: Scene, model: mjw.Model, count: int) -> DeviceDrive:
-    """The drive of the scene's robot, on Warp's current device."""
-    kinds: dict[str, Any] = {"joints": DeviceJointDrive, "mocap": DeviceMocapDrive}
-    made: DeviceDrive = kinds[scene.robot.drive](scene, model, count)
+def device_arm_controller(scene: Scene, model: mjw.Model, count: int) -> DeviceArmController:
+    """The controller of the scene's robot, on Warp's current device."""
+    kinds: dict[str, Any] = {"joints": DeviceJointController, "mocap": DeviceMocapController}
+    made: DeviceArmController = kinds[scene.robot.control](scene, model, count)
     return made

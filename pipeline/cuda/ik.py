@@ -1,4 +1,4 @@
-"""Inverse kinematics as a Warp kernel: :class:`pipeline.sim.arm_controllers.JointDrive` on the CPU."""
+"""Inverse kinematics as a Warp kernel: :class:`pipeline.sim.arm_controllers.JointController` on the CPU."""
 
 # mypy: disable-error-code="misc, index, valid-type, operator"
 # (a kernel is no Python: its values have other types inside than outside)
@@ -60,20 +60,20 @@ def _carriers(model: mujoco.MjModel, body: int) -> set[int]:
     return found
 
 
-def newton(model: mjw.Model, ghost: mjw.Data, joints: Arm, wished: wp.array) -> None:
-    """One step of every world's ghost towards its wished tip place (n,), m."""
-    mjw.kinematics(model, ghost)
+def newton(model: mjw.Model, ik_state: mjw.Data, joints: Arm, setpoint: wp.array) -> None:
+    """One step of every world's ik_state towards its setpoint tip place (n,), m."""
+    mjw.kinematics(model, ik_state)
     wp.launch(
         newton_step,
-        dim=len(wished),
-        inputs=[joints, wished, ghost.site_xpos, ghost.site_xmat, ghost.xanchor, ghost.xaxis],
-        outputs=[ghost.qpos],
+        dim=len(setpoint),
+        inputs=[joints, setpoint, ik_state.site_xpos, ik_state.site_xmat, ik_state.xanchor, ik_state.xaxis],
+        outputs=[ik_state.qpos],
     )
 
 
 @wp.func
 def _column(arm: Arm, joint: int, place: wp.vec3, anchor: wp.vec3, axis: wp.vec3) -> _Vector:
-    """What a joint's unit of motion does to the tip: its place, and its turn."""
+    """What a joint's unit of motion does to the tip: its place, and its rotation."""
     column = _Vector()
     along, about = wp.vec3(0.0), wp.vec3(0.0)
     if arm.moves[joint] == 1:
@@ -88,16 +88,16 @@ def _column(arm: Arm, joint: int, place: wp.vec3, anchor: wp.vec3, axis: wp.vec3
 
 
 @wp.func
-def _missing(wished: wp.vec3, place: wp.vec3, turn: wp.mat33, upright: wp.mat33) -> _Vector:
-    """The way to the wished place, and the turn to the upright pose as a vector."""
+def _missing(setpoint: wp.vec3, place: wp.vec3, rotation: wp.mat33, upright: wp.mat33) -> _Vector:
+    """The way to the setpoint place, and the rotation to the upright pose as a vector."""
     missing = _Vector()
     tilt = wp.vec3(0.0)
     for k in range(3):  # half the sum of cross products of matching axes
-        now = wp.vec3(turn[0, k], turn[1, k], turn[2, k])
+        now = wp.vec3(rotation[0, k], rotation[1, k], rotation[2, k])
         then = wp.vec3(upright[0, k], upright[1, k], upright[2, k])
         tilt += 0.5 * wp.cross(now, then)
     for k in range(3):
-        missing[k] = wp.float64(wished[k]) - wp.float64(place[k])
+        missing[k] = wp.float64(setpoint[k]) - wp.float64(place[k])
         missing[k + 3] = wp.float64(tilt[k])
     return missing
 
@@ -133,7 +133,7 @@ def solved(gram: _Matrix, right: _Vector) -> _Vector:
 @wp.kernel
 def newton_step(
     arm: Arm,
-    wished: wp.array[wp.vec3],
+    setpoint: wp.array[wp.vec3],
     site_place: wp.array2d[wp.vec3],
     site_turn: wp.array2d[wp.mat33],
     anchor: wp.array2d[wp.vec3],
@@ -150,7 +150,7 @@ def newton_step(
         joint = arm.joints[index]
         column = _column(arm, index, place, anchor[world, joint], axis[world, joint])
         gram += wp.outer(column, column)
-    way = solved(gram, _missing(wished[world], place, site_turn[world, arm.site], arm.upright))
+    way = solved(gram, _missing(setpoint[world], place, site_turn[world, arm.site], arm.upright))
     for index in range(arm.joints.shape[0]):
         joint = arm.joints[index]
         column = _column(arm, index, place, anchor[world, joint], axis[world, joint])

@@ -16,9 +16,9 @@ from mujoco_warp import OverflowType
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.cuda.arm_controllers import Wishes, device_drive
-from pipeline.rendering.renderer import Images
-from pipeline.sim.arm_controllers import Fields, drive
+from pipeline.cuda.arm_controllers import Setpoints, device_arm_controller
+from pipeline.rendering.renderer import Renderer
+from pipeline.sim.arm_controllers import Fields, arm_controller
 from pipeline.sim.draws import Episodes
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import not_a_number
@@ -69,7 +69,7 @@ class DeviceWorlds:
     """
 
     def __init__(self, scene: Scene, view: Viewpoint, count: int, device: wp.DeviceLike) -> None:
-        self._images = Images(scene, view, count, device=device)
+        self._images = Renderer(scene, view, count, device=device)
         self.scene, self.count, self.device = scene, count, wp.get_device(device)
         with wp.ScopedDevice(self.device):
             self._model = mjw.put_model(scene.model)
@@ -77,7 +77,10 @@ class DeviceWorlds:
             self._model.opt.warn_overflow = 0  # :meth:`check` tells it once
             room = {"nconmax": _CONTACTS, "njmax": _CONSTRAINTS}
             self._data = mjw.make_data(scene.model, nworld=count, **room)
-            self._wishes, self._drive = Wishes(scene, count), device_drive(scene, self._model, count)
+            self._setpoints, self._arm_controller = (
+                Setpoints(scene, count),
+                device_arm_controller(scene, self._model, count),
+            )
             self.action = wp.zeros((count, scene.action_size), dtype=float)
             self.tip, self.target = wp.zeros(count, dtype=wp.vec3), wp.zeros(count, dtype=wp.vec3)
             self.reward = wp.zeros(count, dtype=float)
@@ -102,9 +105,9 @@ class DeviceWorlds:
             for name, values in fields.items():
                 _upload(getattr(self._data, name), values)
             _upload(self.target, episodes.target_m)
-            _upload(self._wishes.start, episodes.start_m)
-            self._wishes.refused.zero_()
-            self._drive.reset(fields)
+            _upload(self._setpoints.start, episodes.start_m)
+            self._setpoints.refused.zero_()
+            self._arm_controller.reset(fields)
             mjw.kinematics(self._model, self._data)
             self._look()
 
@@ -119,7 +122,7 @@ class DeviceWorlds:
         Raises:
             BelvedereError: an action was not a number, or there was no room for all contacts.
         """
-        if self._wishes.refused.numpy()[0]:
+        if self._setpoints.refused.numpy()[0]:
             raise not_a_number(self.scene)
         if (self._data.overflow.numpy() & int(_NO_ROOM)).any():
             raise BelvedereError(
@@ -136,8 +139,8 @@ class DeviceWorlds:
         return capture.graph
 
     def _frame(self) -> None:
-        wished = self._wishes.make(self.action, self.tip)
-        self._drive.move(self._data, self.tip, wished)
+        setpoint = self._setpoints.make(self.action, self.tip)
+        self._arm_controller.move(self._data, self.tip, setpoint)
         for _ in range(self.scene.params.substeps):
             mjw.step(self._model, self._data)
         mjw.kinematics(self._model, self._data)  # a step leaves poses one behind the state
@@ -158,7 +161,7 @@ def start_fields(scene: Scene, episodes: Episodes) -> Fields:
     both = np.concatenate([episodes.start_m, episodes.target_m], axis=1)
     _, first, where = np.unique(both, axis=0, return_index=True, return_inverse=True)
     unlike = episodes[first]
-    fields = drive(scene, len(unlike), 1).reset(unlike.start_m, unlike.target_m)
+    fields = arm_controller(scene, len(unlike), 1).reset(unlike.start_m, unlike.target_m)
     return {name: values[where.reshape(-1)] for name, values in fields.items()}
 
 

@@ -13,7 +13,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvO
 
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.qlearning.actions import action_table
-from pipeline.rendering.renderer import Images
+from pipeline.rendering.renderer import Renderer
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene
@@ -30,7 +30,7 @@ class Pictures:
 
     def __init__(self, scene: Scene, view: Viewpoint, count: int, threads: int) -> None:
         self._parts = [part for part in np.array_split(np.arange(count), threads) if len(part)]
-        self._images = [Images(scene, view, len(part)) for part in self._parts]
+        self._images = [Renderer(scene, view, len(part)) for part in self._parts]
         self._pool = ThreadPoolExecutor(len(self._parts))
         self._rgb = np.zeros((count, PICTURE_SIZE, PICTURE_SIZE, 3), np.uint8)
 

@@ -22,7 +22,7 @@ _meshes: dict[tuple[str, bytes], wp.Mesh] = {}  # shared by all pictures of the 
 _meshes_lock = threading.Lock()
 
 
-def drawn_geoms(model: mujoco.MjModel, groups: Sequence[int]) -> np.ndarray:
+def visible_geoms(model: mujoco.MjModel, groups: Sequence[int]) -> np.ndarray:
     """Numbers of the geoms that are drawn.
 
     Raises:
@@ -39,7 +39,7 @@ def drawn_geoms(model: mujoco.MjModel, groups: Sequence[int]) -> np.ndarray:
     return np.array(drawn, dtype=np.int32)
 
 
-def still(model: mujoco.MjModel, geoms: np.ndarray) -> np.ndarray:
+def static_geoms(model: mujoco.MjModel, geoms: np.ndarray) -> np.ndarray:
     """Which geoms stand still: no mocap body or joint moves them, but for locked joints; shape (n,), bool."""
     moves = np.zeros(model.nbody, dtype=bool)
     for body in range(1, model.nbody):  # parents come first
@@ -80,7 +80,7 @@ def view_of(
     """The camera with what light reaches everything, and its rays (3, r), world frame, packet by packet."""
     rotation = data.cam_xmat[camera].reshape(3, 3)
     focal = samples / 2 / np.tan(np.radians(model.cam_fovy[camera]) / 2)
-    padded = -(-samples // SIDE) * SIDE  # whole packets; what is too many is never painted
+    padded = -(-samples // SIDE) * SIDE  # whole packets; what is too many is never shaded
     across = (np.arange(padded) + 0.5 - samples / 2) / focal
     rays = np.stack(np.broadcast_arrays(across, -across[:, None], -1.0), axis=-1) @ rotation.T
     rays /= np.linalg.norm(rays, axis=-1, keepdims=True)

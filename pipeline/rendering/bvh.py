@@ -1,4 +1,4 @@
-"""What sixteen neighbouring rays from one origin meet of a mesh, together.
+"""Traversal of a mesh by sixteen neighbouring rays from one origin, together.
 
 Warp and mujoco_warp trace ray by ray; on the CPU a packet of neighbours through a mesh is several
 times as fast, with the same picture.
@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import warp as wp
 
-# Walks the search tree of a wp.Mesh with 16 rays at once. A node is entered if any ray meets its box
+# Walks the search tree of a wp.Mesh with 16 rays at once. A node is entered if any ray hits its box
 # nearer than what that ray has met; the nearer child comes first. In a leaf, where faces are smaller
-# than the rays are apart, each ray that meets its box is held against 16 faces at once. All rays start
+# than the rays are apart, each ray that hits its box is held against 16 faces at once. All rays start
 # at one point, so of a face's test all but three dot products are done once (Möller and Trumbore
 # 1997), and a face that shows that point its back is passed over, as MuJoCo's renderer does.
 # Returns how far the farthest of the 16 rays now reaches. On CUDA each ray goes alone.
-# Where the rays enter and leave a box, from where they meet its planes.
+# Where the rays enter and leave a box, from where they cross its planes.
 _SPAN = """
 const Floats in_x = x0 < x1 ? x0 : x1, out_x = x0 < x1 ? x1 : x0;
 const Floats in_y = y0 < y1 ? y0 : y1, out_y = y0 < y1 ? y1 : y0;
@@ -82,8 +82,8 @@ while (true) {
         const Floats y0 = (lower.y - origin[1]) * iy, y1 = (upper.y - origin[1]) * iy;
         const Floats z0 = (lower.z - origin[2]) * iz, z1 = (upper.z - origin[2]) * iz;
         SPAN
-        int meets[16];
-        *(Ints*)meets = (in <= end) & (out >= 0.0f);
+        int hits[16];
+        *(Ints*)hits = (in <= end) & (out >= 0.0f);
         for (int begin = lower.i; begin < (int)upper.i; begin += 16) {
             const float* row = triangles.data + first_triangle + begin;
             auto part = [&](int k) { return *(const Floats*)(row + k * triangles.shape[1]); };
@@ -97,7 +97,7 @@ while (true) {
             const Floats px = fy * sz - fz * sy, py = fz * sx - fx * sz, pz = fx * sy - fy * sx;
             const Floats qx = sy * ez - sz * ey, qy = sz * ex - sx * ez, qz = sx * ey - sy * ex;
             for (int lane = 0; lane < 16; ++lane) {
-                if (!meets[lane]) continue;
+                if (!hits[lane]) continue;
                 const float rx = dx[lane], ry = dy[lane], rz = dz[lane];
                 const Floats towards = rx * nx + ry * ny + rz * nz;
                 const Floats scale = 1.0f / (towards == 0.0f ? tiny : towards);
@@ -157,7 +157,7 @@ return reach;
 
 
 @wp.func_native(_QUERY)
-def meet_mesh(  # type: ignore[empty-body]
+def intersect_mesh(  # type: ignore[empty-body]
     mesh_id: wp.uint64,
     triangles: wp.array2d[float],
     first_triangle: int,

@@ -11,7 +11,7 @@ from pipeline.contract import params, seeds
 from pipeline.contract.artefacts import writing
 from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import viewpoint
-from pipeline.rendering.renderer import Images
+from pipeline.rendering.renderer import Renderer
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import load_scene
 from pipeline.sim.task import environment
@@ -25,8 +25,8 @@ def main(*, scene: str, theta: float, phi: float, out: Path) -> None:
     env = environment(compiled, seeds.generator(params.seed(), 0, seeds.Stream.ROLLOUTS))
     env.reset()
     qpos, target = env.physics.data.qpos[None].astype(np.float32), env.physics.target()[None]
-    large = Images(compiled, view, 1, size=_LARGE, antialias=2).render(qpos, target)[0]
-    small = Images(compiled, view, 1).render(qpos, target)[0]
+    large = Renderer(compiled, view, 1, size=_LARGE, antialias=2).render(qpos, target)[0]
+    small = Renderer(compiled, view, 1).render(qpos, target)[0]
     both = np.concatenate(
         [large, np.kron(small, np.ones((_LARGE // PICTURE_SIZE,) * 2 + (1,), np.uint8))], axis=1
     )

@@ -1,4 +1,4 @@
-"""Packets of rays, and what a ray meets of a primitive."""
+"""Packets of rays, and where a ray intersects a primitive."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ KINDS = (PLANE, _SPHERE, _CAPSULE, _CYLINDER, _ELLIPSOID, _BOX, MESH)
 
 
 @wp.func
-def meet_primitive(
+def intersect_primitive(
     kind: int, size: wp.vec3, position: wp.vec3, rotation: wp.mat33, origin: wp.vec3, direction: wp.vec3
 ) -> tuple[float, wp.vec3]:
     """Distance (negative: none) and normal."""

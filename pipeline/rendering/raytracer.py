@@ -1,7 +1,7 @@
-"""What rays from one fixed camera meet first, in many worlds at once: Warp kernels.
+"""What rays from one fixed camera hit first, in many worlds at once: Warp kernels.
 
 All worlds share the camera, so what stands still is traced once and bounds every picture's rays.
-Of what moves, packets of rays meet what their pixels can hold, nearest first, until it is too far.
+Of what moves, packets of rays are tested against what their pixels can hold, nearest first, until it is too far.
 """
 
 # mypy: disable-error-code="misc, index"
@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import warp as wp
 
-from pipeline.rendering.bvh import meet_mesh
-from pipeline.rendering.ray_packets import LANES, MESH, PLANE, SIDE, meet_primitive
+from pipeline.rendering.bvh import intersect_mesh
+from pipeline.rendering.ray_packets import LANES, MESH, PLANE, SIDE, intersect_primitive
 
 wp.set_module_options({"enable_backward": False, "fast_math": True})
 
@@ -60,7 +60,7 @@ class View:
 
 @wp.struct
 class Hits:
-    """What each world's rays meet, shape (worlds, rays); face and barycentric u, v are of meshes only."""
+    """What each world's rays hit, shape (worlds, rays); face and barycentric u, v are of meshes only."""
 
     distance: wp.array2d[float]
     slot: wp.array2d[int]  # in the world's list of placed geoms; -1: nothing
@@ -131,7 +131,7 @@ def survey(
 
 
 @wp.func
-def _meet_shape(
+def _intersect_geom(
     geom: Geom,
     placed: Placed,
     origin: wp.vec3,
@@ -145,7 +145,7 @@ def _meet_shape(
     reach = wp.float32(0.0)
     for lane in range(first, first + wp.static(LANES)):
         ray = wp.vec3(rays[0, lane], rays[1, lane], rays[2, lane])
-        distance, _ = meet_primitive(geom.kind, geom.size, placed.position, placed.rotation, origin, ray)
+        distance, _ = intersect_primitive(geom.kind, geom.size, placed.position, placed.rotation, origin, ray)
         if distance >= 0.0 and distance < hits.distance[world, lane]:
             hits.distance[world, lane] = distance
             hits.slot[world, lane] = slot
@@ -164,7 +164,7 @@ def trace(
     limits: wp.array[float],
     hits: Hits,
 ) -> None:
-    """What each ray meets first, nearer than ``limits``; one thread a packet of rays."""
+    """What each ray hits first, nearer than ``limits``; one thread a packet of rays."""
     world, down, across = wp.tid()
     packet = down * ((view.samples + wp.static(SIDE) - 1) // wp.static(SIDE)) + across
     first = packet * wp.static(LANES)
@@ -184,7 +184,7 @@ def trace(
             continue
         geom = geoms[placed[world, slot].place]
         if geom.kind == wp.static(MESH):
-            reach = meet_mesh(
+            reach = intersect_mesh(
                 geom.mesh,
                 triangles,
                 geom.first_face,
@@ -201,4 +201,4 @@ def trace(
                 hits.v,
             )
         else:
-            reach = _meet_shape(geom, placed[world, slot], view.origin, rays, world, first, slot, hits)
+            reach = _intersect_geom(geom, placed[world, slot], view.origin, rays, world, first, slot, hits)

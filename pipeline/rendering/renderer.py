@@ -20,7 +20,7 @@ from pipeline.contract.errors import BelvedereError
 from pipeline.contract.parts import places
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering import buffers, shading
-from pipeline.rendering.tracer import StillLife, Tracer
+from pipeline.rendering.tracer import StaticBackground, Tracer
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.camera import camera_to_world
 from pipeline.sim.scene import CAMERA, TARGET_GROUP, Scene, initial_data
@@ -60,7 +60,7 @@ def model_seen_from(scene: Scene, view: Viewpoint) -> mujoco.MjModel:
     return model
 
 
-class Images:
+class Renderer:
     """Pictures of ``count`` worlds; used by one thread at a time (it releases the GIL).
 
     Args:
@@ -95,8 +95,8 @@ class Images:
         mujoco.mj_forward(model, data)
         self._scene, self._antialias = scene, antialias
         self._target = scene.target_geom if segment else _NO_GEOM
-        geoms = buffers.drawn_geoms(model, groups)
-        still = buffers.still(model, geoms)
+        geoms = buffers.visible_geoms(model, groups)
+        still = buffers.static_geoms(model, geoms)
         samples, camera = size * antialias, model.camera(CAMERA).id
         with wp.ScopedDevice(self._device):
             self._model = mjw.put_model(model)
@@ -109,7 +109,9 @@ class Images:
             fixed = Tracer(model, geoms[still], 1, eye, rays)
             self._tracer = Tracer(model, geoms[~still], count, eye, rays)
             fixed.subject.lights = self._tracer.subject.lights = lights
-            self._still = StillLife(fixed, self._data, wp.vec3(*scene.params.light.background_rgb), antialias)
+            self._background = StaticBackground(
+                fixed, self._data, wp.vec3(*scene.params.light.background_rgb), antialias
+            )
             self._rgb = wp.zeros((count, size, size, 3), dtype=wp.uint8)
             self._seen = wp.zeros(count, dtype=int)
 
@@ -138,13 +140,13 @@ class Images:
             uint8 pictures, shape (count, size, size, 3); the memory is used again by the next call.
         """
         with wp.ScopedDevice(self._device):
-            self._tracer.trace(n, data, self._still.distance)
+            self._tracer.trace(n, data, self._background.distance)
             self._seen.zero_()
             wp.launch(
-                shading.paint,
+                shading.shade,
                 dim=(n, self._rgb.shape[1]),
                 inputs=[
-                    *(self._tracer.hits, self._tracer.subject, self._still.rgb, self._still.pixels),
+                    *(self._tracer.hits, self._tracer.subject, self._background.rgb, self._background.pixels),
                     *(self._antialias, self._target),
                 ],
                 outputs=[self._rgb, self._seen],
@@ -156,12 +158,12 @@ class Images:
         return self._seen.numpy()[:count] // self._antialias**2
 
 
-class Gallery:
+class ParallelRenderer:
     """Pictures of any number of worlds, on all cores: for what is rendered outside the closed loop."""
 
     def __init__(self, scene: Scene, view: Viewpoint, threads: int, segment: bool = False) -> None:
         self.scene, self.view = scene, view
-        self._workers = [Images(scene, view, _SHARD, segment=segment) for _ in range(threads)]
+        self._workers = [Renderer(scene, view, _SHARD, segment=segment) for _ in range(threads)]
         self._free = list(self._workers)
         self._pool = ThreadPoolExecutor(threads)
         self._segment = segment
@@ -193,7 +195,7 @@ def target_pixels_unhidden(
     scene: Scene, view: Viewpoint, qpos: np.ndarray, target_m: np.ndarray
 ) -> np.ndarray:
     """Pixels of the target, were nothing in front of it: shapes (n, nq), (n, 3) → (n,)."""
-    images = Images(scene, view, min(len(qpos), _SHARD), groups=(TARGET_GROUP,), segment=True)
+    images = Renderer(scene, view, min(len(qpos), _SHARD), groups=(TARGET_GROUP,), segment=True)
     pixels = np.zeros(len(qpos), np.int32)
     for place in places(len(qpos), _SHARD):
         images.render(qpos[place], target_m[place])

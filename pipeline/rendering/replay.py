@@ -11,7 +11,7 @@ from pipeline.contract import zarrs
 from pipeline.contract.parts import InParts
 from pipeline.contract.progress import Progress
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.rendering.renderer import Gallery, Images, target_pixels_unhidden
+from pipeline.rendering.renderer import ParallelRenderer, Renderer, target_pixels_unhidden
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import Scene
 
@@ -19,12 +19,12 @@ _LARGE = 512  # side of the picture for people, pixels
 
 
 def render(
-    gallery: Gallery, store: zarrs.Store, repeat: int, progress: Progress
+    renderer: ParallelRenderer, store: zarrs.Store, repeat: int, progress: Progress
 ) -> dict[str, np.ndarray | InParts]:
     """One repeat's arrays of the layout :data:`pipeline.contract.zarrs.FRAMES`; pictures are drawn in parts.
 
     Args:
-        gallery: renders what the viewpoint shows, targets marked.
+        renderer: renders what the viewpoint shows, targets marked.
         store: the episodes, layout :data:`pipeline.contract.zarrs.ROLLOUTS`.
         repeat: which of the store's.
         progress: is told of every picture.
@@ -35,12 +35,12 @@ def render(
 
     def draw(place: slice) -> np.ndarray:
         flat, targets = qpos[place].reshape(-1, qpos.shape[-1]), np.repeat(target[place], frames, axis=0)
-        rgb, seen = gallery.render(flat, targets, progress.advance)
+        rgb, seen = renderer.render(flat, targets, progress.advance)
         pixels[place] = seen.reshape(-1, frames)
         return rgb.reshape(-1, frames, *rgb.shape[1:])
 
     rgb = InParts((episodes, frames, PICTURE_SIZE, PICTURE_SIZE, 3), draw)
-    free = target_pixels_unhidden(gallery.scene, gallery.view, qpos[:, 0], target)
+    free = target_pixels_unhidden(renderer.scene, renderer.view, qpos[:, 0], target)
     same = {name: store.repeat(name, repeat) for name in ("tip", "action", "reward", "target")}
     return {"rgb": rgb, "target_pixels": pixels, "target_pixels_free": free, **same}
 
@@ -48,7 +48,7 @@ def render(
 def write_pictures(folder: Path, scene: Scene, view: Viewpoint, store: zarrs.Store) -> None:
     """The first frame of repeat 0: ``view.png`` for people, ``view_64.png`` as the world model sees it."""
     qpos, target = store.repeat("qpos", 0)[:1, 0], store.repeat("target", 0)[:1]
-    large = Images(scene, view, 1, size=_LARGE, antialias=2).render(qpos, target)[0]
-    small = Images(scene, view, 1).render(qpos, target)[0]
+    large = Renderer(scene, view, 1, size=_LARGE, antialias=2).render(qpos, target)[0]
+    small = Renderer(scene, view, 1).render(qpos, target)[0]
     Image.fromarray(large).save(folder / "view.png", optimize=True)
     Image.fromarray(small).save(folder / "view_64.png")

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import warp as wp
 
-from pipeline.rendering.ray_packets import LANES, MESH, SIDE, meet_primitive
+from pipeline.rendering.ray_packets import LANES, MESH, SIDE, intersect_primitive
 from pipeline.rendering.raytracer import Geom, Hits, Placed, View
 
 wp.set_module_options({"enable_backward": False, "fast_math": True})
@@ -28,7 +28,7 @@ class Light:
 
 @wp.struct
 class Subject:
-    """What is painted, and by what light."""
+    """What is shaded, and by what light."""
 
     geoms: wp.array[Geom]
     corner_normals: wp.array[wp.vec3]  # three a face of each mesh
@@ -52,7 +52,7 @@ def _shade(world: int, lane: int, slot: int, hits: Hits, subject: Subject) -> wp
         smooth = a * u + b * v + subject.corner_normals[first + 2] * (1.0 - u - v)
         normal = wp.normalize(placed.rotation * smooth)
     else:
-        _, normal = meet_primitive(
+        _, normal = intersect_primitive(
             geom.kind, geom.size, placed.position, placed.rotation, subject.view.origin, direction
         )
     if wp.dot(normal, direction) > 0.0:
@@ -74,7 +74,7 @@ def _lane(row: int, column: int, samples: int) -> int:
 
 
 @wp.kernel
-def paint_still(hits: Hits, subject: Subject, background: wp.vec3, rgb: wp.array[wp.vec3]) -> None:
+def shade_static(hits: Hits, subject: Subject, background: wp.vec3, rgb: wp.array[wp.vec3]) -> None:
     """Colours of world 0's samples."""
     lane = wp.tid()
     slot = hits.slot[0, lane]
@@ -84,7 +84,7 @@ def paint_still(hits: Hits, subject: Subject, background: wp.vec3, rgb: wp.array
 
 
 @wp.kernel
-def paint(
+def shade(
     hits: Hits,
     subject: Subject,
     still_rgb: wp.array[wp.vec3],
@@ -125,7 +125,7 @@ def paint(
 
 
 @wp.kernel
-def paint_still_pixels(
+def shade_static_pixels(
     still_rgb: wp.array[wp.vec3], samples: int, antialias: int, pixels: wp.array3d[wp.uint8]
 ) -> None:
     """The picture of what stands still."""

@@ -46,7 +46,7 @@ class Tracer:
         )
 
 
-class StillLife:
+class StaticBackground:
     """What stands still: it looks the same in every world and picture.
 
     Attributes:
@@ -61,7 +61,7 @@ class StillLife:
         self.distance = tracer.hits.distance.flatten()
         self.rgb = wp.zeros(rays, dtype=wp.vec3)
         wp.launch(
-            shading.paint_still,
+            shading.shade_static,
             dim=rays,
             inputs=[tracer.hits, tracer.subject, background],
             outputs=[self.rgb],
@@ -69,7 +69,7 @@ class StillLife:
         size = tracer.subject.view.samples // antialias
         self.pixels = wp.zeros((size, size, 3), dtype=wp.uint8)
         wp.launch(
-            shading.paint_still_pixels,
+            shading.shade_static_pixels,
             dim=(size, size),
             inputs=[self.rgb, tracer.subject.view.samples, antialias],
             outputs=[self.pixels],

@@ -120,7 +120,7 @@ def _rays_about(scene: Scene, view: Viewpoint, target_m: np.ndarray) -> np.ndarr
     x, y = (pixels[..., 0] - size / 2) * slope, (size / 2 - pixels[..., 1]) * slope
     outside = ((pixels < 0) | (pixels > size)).any(axis=-1)
     rays = np.stack([x, y, -np.ones_like(x)], axis=-1)
-    rays[outside] = [0.0, 0.0, 1.0]  # backwards: meets no target
+    rays[outside] = [0.0, 0.0, 1.0]  # backwards: hits no target
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
@@ -131,6 +131,6 @@ def _distance_to_sphere(
     to_center = center - origin
     along = np.einsum("nkc,nc->nk", rays, to_center)
     miss_squared = np.sum(to_center**2, axis=1)[:, None] - along**2
-    meets = (miss_squared < radius**2) & (along > 0)
-    depth = np.sqrt(np.where(meets, radius**2 - miss_squared, 0.0))
-    return np.where(meets, along - depth, np.inf)
+    hits = (miss_squared < radius**2) & (along > 0)
+    depth = np.sqrt(np.where(hits, radius**2 - miss_squared, 0.0))
+    return np.where(hits, along - depth, np.inf)

@@ -14,12 +14,12 @@ from markupsafe import Markup
 
 from pipeline.reporting import numbers
 from pipeline.reporting.curves import curve_plots
+from pipeline.reporting.factorial_comparison import SYMBOLS, claimed, claims, judges_page
 from pipeline.reporting.learning import Learned, learned, scene_bands
 from pipeline.reporting.pictures import Pictures, read_pictures
 from pipeline.reporting.plots import behind_plot, race_plot, score_plot
 from pipeline.reporting.provenance import costs, flat, made_with
 from pipeline.reporting.results import Coverage, SceneResults, View, short
-from pipeline.reporting.section3 import SYMBOLS, claimed, claims, judges_page
 from pipeline.reporting.tables import Alignment
 from pipeline.reporting.tried import TriedScene
 

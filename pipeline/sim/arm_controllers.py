@@ -1,7 +1,7 @@
 """How an action becomes a motion: a displacement of the tip, for a whole batch of worlds at once.
 
 An action is a share of the largest displacement per controlled axis, in [-1, 1]. It is counted from
-where the tip is, as in panda-gym and FetchReach, so a blocked tip winds nothing up; the wished place
+where the tip is, as in panda-gym and FetchReach, so a blocked tip winds nothing up; the setpoint place
 is kept within the workspace, and the axes that are not controlled stay where the episode began.
 """
 
@@ -29,7 +29,7 @@ Fields = dict[str, np.ndarray]  # MjData fields to be written, each with a leadi
 
 
 @dataclass(frozen=True, eq=False)
-class Hand:
+class TipPose:
     """Where each world's hand is: tip and body places (n, 3), m, and body orientation (n, 4)."""
 
     tip_m: np.ndarray
@@ -37,28 +37,28 @@ class Hand:
     body_quaternion: np.ndarray
 
 
-class Drive(Protocol):
-    """Turns wished tip places into fields of ``count`` simulations; it holds no simulation itself."""
+class ArmController(Protocol):
+    """Turns setpoint tip places into fields of ``count`` simulations; it holds no simulation itself."""
 
     def reset(self, start_m: np.ndarray, target_m: np.ndarray) -> Fields:
         """The state with every tip at its start, at rest; shapes (n, 3), m."""
 
-    def move(self, hand: Hand, wished_m: np.ndarray) -> Fields:
-        """The controls that bring each tip towards its wished place; shape (n, 3), m."""
+    def move(self, tip_pose: TipPose, setpoint_m: np.ndarray) -> Fields:
+        """The controls that bring each tip towards its setpoint place; shape (n, 3), m."""
 
 
-def wished_place(scene: Scene, tip_m: np.ndarray, start_m: np.ndarray, action: np.ndarray) -> np.ndarray:
+def next_setpoint(scene: Scene, tip_m: np.ndarray, start_m: np.ndarray, action: np.ndarray) -> np.ndarray:
     """Where the tip should go: shapes (n, 3), (n, 3) and (n, action_size) → (n, 3), m."""
     axes = list(scene.axes)
     low = np.asarray(scene.params.workspace.low_m)[axes]
     high = np.asarray(scene.params.workspace.high_m)[axes]
-    wished = start_m.copy()
+    setpoint = start_m.copy()
     step = scene.params.displacement_m * np.clip(action, -1.0, 1.0)
-    wished[:, axes] = np.clip(tip_m[:, axes] + step, low, high)
-    return wished
+    setpoint[:, axes] = np.clip(tip_m[:, axes] + step, low, high)
+    return setpoint
 
 
-class JointDrive:
+class JointController:
     """Inverse kinematics, batched over worlds, to a position actuator per joint (Panda).
 
     The joint commands of each world live in a second batch over the same model that is never
@@ -76,10 +76,10 @@ class JointDrive:
         home = initial_data(scene)
         self._home_qpos = home.qpos.copy()
         self._upright = home.site_xmat[scene.tip_site].reshape(3, 3).copy()
-        self._ghost = mujoco_batch.Batch(model, count, threads)
-        self._qpos = self._ghost.bind("qpos")
-        self._places = self._ghost.bind("site_xpos")
-        self._turns = self._ghost.bind("site_xmat")
+        self._ik_state = mujoco_batch.Batch(model, count, threads)
+        self._qpos = self._ik_state.bind("qpos")
+        self._places = self._ik_state.bind("site_xpos")
+        self._rotations = self._ik_state.bind("site_xmat")
         ctrl = [model.actuator(a).trnid[0] for a in range(model.nu)]
         self._actuated = np.array([model.jnt_qposadr[j] for j in ctrl])
 
@@ -95,34 +95,34 @@ class JointDrive:
         commands = self._qpos[:, self._actuated]
         return {"qpos": self._qpos.copy(), "ctrl": commands, "mocap_pos": mocap, "qacc_warmstart": rest}
 
-    def move(self, hand: Hand, wished_m: np.ndarray) -> Fields:
+    def move(self, tip_pose: TipPose, setpoint_m: np.ndarray) -> Fields:
         for _ in range(NEWTON_STEPS):
-            self._newton(wished_m)
+            self._newton(setpoint_m)
         return {"ctrl": self._qpos[:, self._actuated]}
 
-    def _newton(self, wished_m: np.ndarray, enough_m: float = -1.0) -> np.ndarray:
+    def _newton(self, setpoint_m: np.ndarray, enough_m: float = -1.0) -> np.ndarray:
         """One damped least-squares step of the worlds farther off than ``enough_m``; returns which.
 
         Each world stops on its own account, or its last bits would depend on its neighbours.
         """
         site = self._scene.tip_site
-        self._ghost.forward(stage=mujoco.mjtStage.mjSTAGE_POS)
+        self._ik_state.forward(stage=mujoco.mjtStage.mjSTAGE_POS)
         place = self._places[:, site].copy()
-        turn = self._turns[:, site].reshape(-1, 3, 3)
-        along, about = self._ghost.jac(self._body, place)
+        rotation = self._rotations[:, site].reshape(-1, 3, 3)
+        along, about = self._ik_state.jac(self._body, place)
         jacobian = np.concatenate([along, about], axis=1)[:, :, self._dofs]
         # rotation error as a vector: half the sum of cross products of matching axes
-        tilt = 0.5 * np.cross(turn.transpose(0, 2, 1), self._upright.T[None]).sum(axis=1)
-        error = np.concatenate([wished_m - place, tilt], axis=1)
+        tilt = 0.5 * np.cross(rotation.transpose(0, 2, 1), self._upright.T[None]).sum(axis=1)
+        error = np.concatenate([setpoint_m - place, tilt], axis=1)
         gram = jacobian @ jacobian.transpose(0, 2, 1) + DAMPING**2 * np.eye(6)
         step = jacobian.transpose(0, 2, 1) @ np.linalg.solve(gram, error[:, :, None])
-        off = np.linalg.norm(wished_m - place, axis=1) > enough_m
+        off = np.linalg.norm(setpoint_m - place, axis=1) > enough_m
         moved = self._qpos[:, self._coordinates] + step[:, :, 0] * off[:, None]
         self._qpos[:, self._coordinates] = np.clip(moved, self._low, self._high)
         return off
 
     def _refuse_unreached(self, start_m: np.ndarray) -> None:
-        self._ghost.forward(stage=mujoco.mjtStage.mjSTAGE_POS)
+        self._ik_state.forward(stage=mujoco.mjtStage.mjSTAGE_POS)
         missed = np.linalg.norm(self._places[:, self._scene.tip_site] - start_m, axis=1)
         if missed.max() > _TOLERANCE_M:
             point = np.round(start_m[int(missed.argmax())], 3).tolist()
@@ -132,7 +132,7 @@ class JointDrive:
             )
 
 
-class MocapDrive:
+class MocapController:
     """A weld to a mocap body pulls the tip, as in FetchReach: from where the body is, each frame.
 
     A tilted hand is turned back most of the way: ``UPRIGHT`` is added to its quaternion (MuJoCo
@@ -161,13 +161,16 @@ class MocapDrive:
         state = {f: np.repeat(getattr(self._settled, f)[None], self._count, axis=0) for f in moving}
         return {**state, "mocap_pos": self._mocap_pos, "mocap_quat": self._mocap_quat}
 
-    def move(self, hand: Hand, wished_m: np.ndarray) -> Fields:
-        self._mocap_pos[:, self._mocap] = hand.body_m + (wished_m - hand.tip_m)
-        self._mocap_quat[:, self._mocap] = hand.body_quaternion + np.array(UPRIGHT)
+    def move(self, tip_pose: TipPose, setpoint_m: np.ndarray) -> Fields:
+        self._mocap_pos[:, self._mocap] = tip_pose.body_m + (setpoint_m - tip_pose.tip_m)
+        self._mocap_quat[:, self._mocap] = tip_pose.body_quaternion + np.array(UPRIGHT)
         return {"mocap_pos": self._mocap_pos, "mocap_quat": self._mocap_quat}
 
 
-def drive(scene: Scene, count: int, threads: int) -> Drive:
-    """The drive of the scene's robot."""
-    kinds: dict[str, Callable[[Scene, int, int], Drive]] = {"joints": JointDrive, "mocap": MocapDrive}
-    return kinds[scene.robot.drive](scene, count, threads)
+def arm_controller(scene: Scene, count: int, threads: int) -> ArmController:
+    """The controller of the scene's robot."""
+    kinds: dict[str, Callable[[Scene, int, int], ArmController]] = {
+        "joints": JointController,
+        "mocap": MocapController,
+    }
+    return kinds[scene.robot.control](scene, count, threads)

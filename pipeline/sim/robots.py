@@ -30,15 +30,15 @@ class Robot:
 
     Attributes:
         build: returns the robot's spec.
-        drive: ``joints`` (inverse kinematics to position actuators) or ``mocap`` (a weld pulls the tip).
+        control: ``joints`` (inverse kinematics to position actuators) or ``mocap`` (a weld pulls the tip).
         home: joint positions (rad) at which inverse kinematics starts, by joint name.
         prefix: what the names of all its bodies begin with.
         touching: the bodies (without the prefix) that can touch something: those that come near it.
-        mocap: name of the mocap body, for ``drive == "mocap"``.
+        mocap: name of the mocap body, for ``control == "mocap"``.
     """
 
     build: Callable[[], mujoco.MjSpec]
-    drive: str
+    control: str
     home: dict[str, float]
     prefix: str
     touching: tuple[str, ...]
@@ -136,7 +136,7 @@ def settle_fetch(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 ROBOTS = {
     "panda": Robot(
         build=_panda,
-        drive="joints",
+        control="joints",
         home={
             "robot:panda0_joint1": 0.0,
             "robot:panda0_joint2": -0.2,
@@ -151,7 +151,7 @@ ROBOTS = {
     ),
     "fetch": Robot(
         build=_fetch,
-        drive="mocap",
+        control="mocap",
         home={},
         prefix="robot0:",
         touching=(

@@ -163,7 +163,7 @@ def initial_data(scene: Scene) -> mujoco.MjData:
     data = mujoco.MjData(scene.model)
     for joint, angle_rad in scene.robot.home.items():
         data.joint(joint).qpos[:] = angle_rad
-    if scene.robot.drive == "mocap":
+    if scene.robot.control == "mocap":
         settle_fetch(scene.model, data)
     mujoco.mj_forward(scene.model, data)
     data.time = 0.0

@@ -1,6 +1,6 @@
 """The reaching task's dm_control face, for single episodes.
 
-Batches and single episodes share the model, the drive and the reward, so they agree bit for bit.
+Batches and single episodes share the model, the arm controller and the reward, so they agree bit for bit.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dm_control.mujoco import engine, wrapper
 from dm_control.rl import control
 from dm_env import specs
 
-from pipeline.sim.arm_controllers import Hand, drive, wished_place
+from pipeline.sim.arm_controllers import TipPose, arm_controller, next_setpoint
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.reward import reach_reward
 from pipeline.sim.scene import Scene
@@ -32,10 +32,12 @@ class Physics(engine.Physics):
         """Target position, shape (3,), m."""
         return np.array(self.data.mocap_pos[self.scene.target_mocap])
 
-    def hand(self) -> Hand:
+    def tip_pose(self) -> TipPose:
         """Where the hand is, with a leading axis of one world."""
         body = self.scene.model.site_bodyid[self.scene.tip_site]
-        return Hand(self.tip()[None], self.data.xpos[body][None].copy(), self.data.xquat[body][None].copy())
+        return TipPose(
+            self.tip()[None], self.data.xpos[body][None].copy(), self.data.xquat[body][None].copy()
+        )
 
 
 class Reach(control.Task):
@@ -48,7 +50,7 @@ class Reach(control.Task):
 
     def __init__(self, scene: Scene, rng: np.random.Generator) -> None:
         self._scene, self._rng = scene, rng
-        self._drive = drive(scene, 1, 1)
+        self._arm_controller = arm_controller(scene, 1, 1)
         self._start = np.zeros((1, 3))
         self._next: Episodes | None = None
         self._fresh: dict[str, np.ndarray] = {}
@@ -60,16 +62,16 @@ class Reach(control.Task):
     def initialize_episode(self, physics: Physics) -> None:
         episode = self._next or draw_episodes(self._scene, 1, self._rng)
         self._next, self._start = None, episode.start_m
-        self._fresh = self._drive.reset(episode.start_m, episode.target_m)
+        self._fresh = self._arm_controller.reset(episode.start_m, episode.target_m)
         self._write(physics, self._fresh)
 
     def before_step(self, action: np.ndarray, physics: Physics) -> None:
         # dm_control ends a reset with a forward pass, which leaves its own guess for the solver
         self._write(physics, {name: self._fresh[name] for name in ("qacc_warmstart",) if self._fresh})
         self._fresh = {}
-        hand = physics.hand()
-        wished = wished_place(self._scene, hand.tip_m, self._start, np.asarray(action)[None])
-        self._write(physics, self._drive.move(hand, wished))
+        tip_pose = physics.tip_pose()
+        setpoint = next_setpoint(self._scene, tip_pose.tip_m, self._start, np.asarray(action)[None])
+        self._write(physics, self._arm_controller.move(tip_pose, setpoint))
 
     def after_step(self, physics: Physics) -> None:
         # mj_step leaves derived fields one substep behind the state

@@ -7,7 +7,7 @@ import numpy as np
 from mujoco import batch as mujoco_batch
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.sim.arm_controllers import Fields, Hand, drive, wished_place
+from pipeline.sim.arm_controllers import Fields, TipPose, arm_controller, next_setpoint
 from pipeline.sim.draws import Episodes
 from pipeline.sim.reward import reach_reward
 from pipeline.sim.scene import Scene
@@ -27,9 +27,9 @@ class Worlds:
         self._batch = mujoco_batch.Batch(scene.model, count, threads)
         # bound before the first call: a field bound later is zero until the next one
         self._sites, self._places = self._batch.bind("site_xpos"), self._batch.bind("xpos")
-        self._turns, self._qpos = self._batch.bind("xquat"), self._batch.bind("qpos")
+        self._rotations, self._qpos = self._batch.bind("xquat"), self._batch.bind("qpos")
         self._hand_body = int(scene.model.site_bodyid[scene.tip_site])
-        self._drive = drive(scene, count, threads)
+        self._arm_controller = arm_controller(scene, count, threads)
         self._start = np.zeros((count, 3))
         self._target = np.zeros((count, 3))
 
@@ -40,7 +40,7 @@ class Worlds:
         self._target = np.array(episodes.target_m, dtype=np.float64)
         self._start = np.array(episodes.start_m, dtype=np.float64)
         self._batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE)
-        self._write(self._drive.reset(self._start, self._target))
+        self._write(self._arm_controller.reset(self._start, self._target))
         self._batch.forward(stage=mujoco.mjtStage.mjSTAGE_POS)
 
     def step(self, action: np.ndarray) -> np.ndarray:
@@ -57,9 +57,9 @@ class Worlds:
         """
         if not np.isfinite(action).all():
             raise not_a_number(self.scene)
-        hand = Hand(self.tip, self._places[:, self._hand_body], self._turns[:, self._hand_body])
-        wished = wished_place(self.scene, hand.tip_m, self._start, action)
-        self._write(self._drive.move(hand, wished))
+        tip_pose = TipPose(self.tip, self._places[:, self._hand_body], self._rotations[:, self._hand_body])
+        setpoint = next_setpoint(self.scene, tip_pose.tip_m, self._start, action)
+        self._write(self._arm_controller.move(tip_pose, setpoint))
         self._batch.step(nstep=self.scene.params.substeps, stage=mujoco.mjtStage.mjSTAGE_POS)
         return reach_reward(self.tip, self._target)
 

@@ -38,7 +38,7 @@ class Vae(nn.Module):
         self.conv4 = nn.Conv2d(128, 256, 4, 2)
         self.mean = nn.Linear(1024, LATENTS)
         self.log_variance = nn.Linear(1024, LATENTS)
-        self.spread = nn.Linear(LATENTS, 1024)
+        self.decoder_input = nn.Linear(LATENTS, 1024)
         self.deconv1 = nn.ConvTranspose2d(1024, 128, 5, 2)
         self.deconv2 = nn.ConvTranspose2d(128, 64, 5, 2)
         self.deconv3 = nn.ConvTranspose2d(64, 32, 6, 2)
@@ -66,7 +66,7 @@ class Vae(nn.Module):
 
     def decode_blocks(self, latents: Tensor) -> Tensor:
         """Pictures in [0, 1] as :func:`pictures.blocks`, (n, 16, 16, 2, 24), of latents (n, 32)."""
-        hidden = self.spread(latents) @ self.deconv1.weight.view(1024, -1)
+        hidden = self.decoder_input(latents) @ self.deconv1.weight.view(1024, -1)
         hidden = hidden.view(-1, 128, 5, 5).contiguous(memory_format=torch.channels_last)
         hidden = F.relu(_biased(hidden, self.deconv1))
         for layer in (self.deconv2, self.deconv3):

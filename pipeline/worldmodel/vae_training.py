@@ -19,7 +19,7 @@ from pipeline.worldmodel.vae import LATENTS, Vae, kl_nats
 ACTIVE_VARIANCE = 0.01  # a latent whose posterior mean varies less than this carries nothing
 JUDGING_BATCH = 256
 # Variance of a layer's output over its input's; 2 where a ReLU follows, which halves it.
-GAINS = {"mean": 1.0, "log_variance": 0.1, "spread": 1.0, "deconv4": 1.0}
+GAINS = {"mean": 1.0, "log_variance": 0.1, "decoder_input": 1.0, "deconv4": 1.0}
 
 
 @dataclass(frozen=True)

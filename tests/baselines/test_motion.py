@@ -8,7 +8,7 @@ import pytest
 from pipeline.baselines.motion import image_jacobian, singular_values
 from pipeline.contract import params
 from pipeline.contract.viewpoints import viewpoint
-from pipeline.rendering.renderer import Images
+from pipeline.rendering.renderer import Renderer
 from pipeline.rendering.visibility import to_pixels
 from pipeline.sim.scene import initial_data, load_scene
 
@@ -31,7 +31,7 @@ def test_it_is_the_derivative_of_the_projection(place: dict) -> None:
 
 def test_it_is_how_the_rendered_target_moves() -> None:
     scene, view = load_scene("panda_2dof"), viewpoint("panda_2dof", 30, 10)
-    images = Images(scene, view, 2, size=512, groups=(1,))
+    images = Renderer(scene, view, 2, size=512, groups=(1,))
     qpos = np.repeat(initial_data(scene).qpos[None], 2, axis=0)
     place = np.asarray(scene.params.target.candidates_m[0])
     for column, axis in enumerate(scene.axes):

@@ -16,7 +16,7 @@ from pipeline.contract.errors import BelvedereError
 from pipeline.control.loop import Loop, Workers
 from pipeline.control.policy import Controllers
 from pipeline.learning.device import Compute
-from pipeline.rendering.renderer import Images
+from pipeline.rendering.renderer import Renderer
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.worldmodel.encoder import Encoder
 
@@ -34,7 +34,7 @@ def ours(chosen: Setting, flat: np.ndarray, episodes: Episodes) -> np.ndarray:
 
 def ray_traced(chosen: Setting, model: mujoco.MjModel) -> Draw:
     """Our pictures of the plain loop's states."""
-    images, target = Images(chosen.scene, chosen.view, 1), chosen.scene.target_mocap
+    images, target = Renderer(chosen.scene, chosen.view, 1), chosen.scene.target_mocap
     return lambda data: images.render(data.qpos[None], data.mocap_pos[target][None])[0]
 
 
@@ -47,10 +47,10 @@ def test_fed_the_same_pictures_it_reaches_the_same_return(scene: str) -> None:
     chosen = setting(scene, FRAMES)
     episodes = draw_episodes(chosen.scene, EPISODES, np.random.default_rng(3))
     flat = 3 * candidates(chosen.scene, EPISODES)
-    wished = ours(chosen, flat, episodes)
-    assert np.abs(wished - ours(chosen, 0 * flat, episodes)).max() > MOVED_M
+    expected = ours(chosen, flat, episodes)
+    assert np.abs(expected - ours(chosen, 0 * flat, episodes)).max() > MOVED_M
     found = plain(chosen, PlainLoop(chosen, partial(ray_traced, chosen)), flat, episodes)
-    np.testing.assert_allclose(found, wished, atol=SAME_PICTURES_M)
+    np.testing.assert_allclose(found, expected, atol=SAME_PICTURES_M)
 
 
 @pytest.mark.egl

@@ -171,7 +171,7 @@ ENDINGS = {
 }
 
 
-@pytest.mark.usefixtures("heeded_signals")
+@pytest.mark.usefixtures("handled_signals")
 @pytest.mark.parametrize("failing", ["0", "1"])
 @pytest.mark.parametrize("how", ["threads", "processes"])
 @pytest.mark.parametrize("what", ENDINGS)

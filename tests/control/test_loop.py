@@ -10,7 +10,7 @@ from pipeline.contract.stage import WORKER
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.control.loop import SHARD, Loop, Workers
 from pipeline.control.policy import Controllers, parameters
-from pipeline.rendering.renderer import Images
+from pipeline.rendering.renderer import Renderer
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds
@@ -44,7 +44,7 @@ def test_it_does_what_one_world_in_a_plain_loop_does(
     cell.load_state_dict({name.removesuffix("_l0"): value for name, value in rnn.lstm.state_dict().items()})
     episodes, flat = draw_episodes(scene, 3, RNG), candidates(scene, 3)
     trace = loops[2].run(Controllers.of(flat, scene.action_size), episodes)
-    worlds, images = Worlds(scene, 1), Images(scene, viewpoint(scene.name, 0, 0), 1)
+    worlds, images = Worlds(scene, 1), Renderer(scene, viewpoint(scene.name, 0, 0), 1)
     weight = torch.from_numpy(flat[1].astype(np.float32)).view(scene.action_size, -1)
     worlds.reset(episodes[1:2])
     h = c = torch.zeros(1, 256)

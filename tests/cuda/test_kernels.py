@@ -53,11 +53,11 @@ def meet_mesh_as_on_cuda(
     us: wp.array2d[float],
     vs: wp.array2d[float],
 ) -> float:
-    """What :func:`pipeline.rendering.bvh.meet_mesh` is on CUDA, on the CPU: each ray alone."""
+    """What :func:`pipeline.rendering.bvh.intersect_mesh` is on CUDA, on the CPU: each ray alone."""
 
 
 @wp.kernel
-def meet(
+def intersect(
     as_on_cuda: bool,
     mesh: wp.uint64,
     triangles: wp.array2d[float],
@@ -69,13 +69,15 @@ def meet(
     us: wp.array2d[float],
     vs: wp.array2d[float],
 ) -> None:
-    packet, turn = wp.tid(), wp.identity(n=3, dtype=float)
+    packet, rotation = wp.tid(), wp.identity(n=3, dtype=float)
     if as_on_cuda:
         meet_mesh_as_on_cuda(
-            mesh, triangles, 0, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs
+            mesh, triangles, 0, origin, rotation, rays, 0, packet, 7, distances, slots, faces, us, vs
         )
     else:
-        bvh.meet_mesh(mesh, triangles, 0, origin, turn, rays, 0, packet, 7, distances, slots, faces, us, vs)
+        bvh.intersect_mesh(
+            mesh, triangles, 0, origin, rotation, rays, 0, packet, 7, distances, slots, faces, us, vs
+        )
 
 
 @pytest.mark.parametrize("inside", [False, True])
@@ -101,7 +103,7 @@ def test_rays_meet_alone_what_they_meet_in_packets(inside: bool) -> None:
             u, v = (wp.zeros(distance.shape, dtype=float) for _ in range(2))
             outputs = [distance, slot, face, u, v]
             wp.launch(
-                meet,
+                intersect,
                 dim=packs,
                 inputs=[as_on_cuda, mesh.id, triangles, wp.vec3(*origin), rays],
                 outputs=outputs,

@@ -11,8 +11,8 @@ from mujoco_warp import OverflowType
 from pipeline.contract.errors import BelvedereError
 from pipeline.cuda import worlds as device_worlds
 from pipeline.cuda.worlds import DeviceWorlds, start_fields
-from pipeline.rendering.renderer import Images
-from pipeline.sim.arm_controllers import drive
+from pipeline.rendering.renderer import Renderer
+from pipeline.sim.arm_controllers import arm_controller
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.scene import Scene
 from pipeline.sim.task import environment
@@ -54,7 +54,7 @@ def play(worlds: DeviceWorlds, episodes: Episodes, actions: np.ndarray) -> dict[
 def hold_against_mujoco(name: str, device: str, actions: np.ndarray, episodes: Episodes) -> None:
     scene = compiled(name)
     on_device = play(DeviceWorlds(scene, view(scene), COUNT, device), episodes, actions)
-    worlds, images = Worlds(scene, COUNT), Images(scene, view(scene), COUNT)
+    worlds, images = Worlds(scene, COUNT), Renderer(scene, view(scene), COUNT)
     worlds.reset(episodes)
     tolerance_m = TIP_M[scene.params.robot]
     for frame, action in enumerate(actions):
@@ -131,7 +131,7 @@ def test_episodes_that_begin_alike_are_solved_once_to_the_same_bits() -> None:
     scene = compiled("panda_2dof")
     episodes = draw_episodes(scene, 3, np.random.default_rng(3)).tiled(2)
     fields = start_fields(scene, episodes)
-    for name, values in drive(scene, 6, 1).reset(episodes.start_m, episodes.target_m).items():
+    for name, values in arm_controller(scene, 6, 1).reset(episodes.start_m, episodes.target_m).items():
         np.testing.assert_array_equal(fields[name], values)
 
 

@@ -26,7 +26,7 @@ def _problem(epochs: int = 12, killed_at: int | None = None) -> Problem:
     """A noisy regression whose loss draws from the generator, as the VAE's does."""
     draws = seeded(3)
     inputs = torch.randn(40, 5, generator=draws)
-    wished = (inputs @ torch.randn(5, 1, generator=draws)).tanh()
+    expected = (inputs @ torch.randn(5, 1, generator=draws)).tanh()
     model = nn.Sequential(nn.Linear(5, 8), nn.Tanh(), nn.Linear(8, 1))
     for weight in model.parameters():
         nn.init.uniform_(weight, -0.3, 0.3, generator=draws)
@@ -38,10 +38,10 @@ def _problem(epochs: int = 12, killed_at: int | None = None) -> Problem:
         if steps == killed_at:
             raise _Killed
         noise = 0.3 * torch.randn(len(indices), 5, generator=generator)
-        return (model(inputs[indices] + noise) - wished[indices]).square().mean()
+        return (model(inputs[indices] + noise) - expected[indices]).square().mean()
 
     def heldout_loss() -> float:
-        return float((model(inputs[30:]) - wished[30:]).square().mean())
+        return float((model(inputs[30:]) - expected[30:]).square().mean())
 
     return Problem("vae", model, 30, 8, epochs, loss, heldout_loss, gradient_norm=0.5)
 

@@ -12,7 +12,7 @@ from stable_baselines3.common.env_checker import check_env
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.qlearning.actions import action_table
 from pipeline.qlearning.reach_env import ReachEnv, dqn_reward
-from pipeline.rendering.renderer import Images
+from pipeline.rendering.renderer import Renderer
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import load_scene
 from pipeline.sim.task import environment
@@ -58,7 +58,7 @@ def test_rewards_and_pictures_are_those_of_the_dm_control_environment(name: str)
     episodes = draw_episodes(scene, COUNT, np.random.default_rng(5))  # what the environment drew
     chosen = np.random.default_rng(1).integers(len(table), size=(scene.frames, COUNT))
     steps = [env.step(actions) for actions in chosen]
-    single, images = environment(scene, np.random.default_rng(0)), Images(scene, view, 1)
+    single, images = environment(scene, np.random.default_rng(0)), Renderer(scene, view, 1)
     for world in range(COUNT):
         one = np.array([world])
         single.task.start_with(episodes[one])

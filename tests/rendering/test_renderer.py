@@ -15,8 +15,8 @@ import warp as wp
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering.buffers import still
-from pipeline.rendering.renderer import Gallery, Images, model_seen_from, target_pixels_unhidden
-from pipeline.rendering.visibility import PICTURE_SIZE, Sight
+from pipeline.rendering.renderer import ParallelRenderer, Renderer, model_seen_from, target_pixels_unhidden
+from pipeline.rendering.visibility import PICTURE_SIZE, Visibility
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import CAMERA, Scene
 from pipeline.sim.worlds import Worlds
@@ -89,7 +89,7 @@ def warp_pictures(scene: Scene, view: Viewpoint, qpos: np.ndarray, target_m: np.
 def test_like_mujocos_renderer(view: Viewpoint) -> None:
     scene, (qpos, target) = compiled(view.scene), states(view.scene)
     mean, off = difference(
-        Images(scene, view, STATES).render(qpos, target), mujoco_pictures(scene, view, qpos, target)
+        Renderer(scene, view, STATES).render(qpos, target), mujoco_pictures(scene, view, qpos, target)
     )
     assert mean < 0.7  # 0.12 to 0.51: colours are cut off, not rounded, to whole levels
     assert off < 0.004  # 0.0002 to 0.0019: edges
@@ -99,7 +99,7 @@ def test_like_mujocos_renderer(view: Viewpoint) -> None:
 def test_like_mujoco_warp(name: str) -> None:
     scene, view, (qpos, target) = compiled(name), FIRST_VIEWS[name], states(name)
     mean, off = difference(
-        Images(scene, view, STATES).render(qpos, target), warp_pictures(scene, view, qpos, target)
+        Renderer(scene, view, STATES).render(qpos, target), warp_pictures(scene, view, qpos, target)
     )
     assert mean < 0.01
     assert off < 1e-4
@@ -107,21 +107,21 @@ def test_like_mujoco_warp(name: str) -> None:
 
 def test_sees_as_many_target_pixels_as_mujocos_rays(view: Viewpoint) -> None:
     scene, (qpos, target) = compiled(view.scene), states(view.scene)
-    images = Images(scene, view, STATES, segment=True)
+    images = Renderer(scene, view, STATES, segment=True)
     images.render(qpos, target)
     counted = images.target_pixels(STATES)
-    assert np.abs(counted - Sight(scene, STATES).target_pixels(view, qpos, target)).max() <= 1
+    assert np.abs(counted - Visibility(scene, STATES).target_pixels(view, qpos, target)).max() <= 1
     assert (counted <= target_pixels_unhidden(scene, view, qpos, target)).all()
     assert counted.max() > 0
 
 
 def test_a_picture_depends_on_its_world_alone(view: Viewpoint) -> None:
     scene, (qpos, target) = compiled(view.scene), states(view.scene)
-    together = Images(scene, view, STATES)
+    together = Renderer(scene, view, STATES)
     pictures = together.render(qpos, target).copy()
     np.testing.assert_array_equal(together.render(qpos[::-1], target[::-1])[::-1], pictures)
     np.testing.assert_array_equal(together.render(qpos[:3], target[:3]), pictures[:3])
-    alone = Images(scene, view, 1)
+    alone = Renderer(scene, view, 1)
     for i in range(STATES):
         np.testing.assert_array_equal(alone.render(qpos[i : i + 1], target[i : i + 1])[0], pictures[i])
 
@@ -129,22 +129,22 @@ def test_a_picture_depends_on_its_world_alone(view: Viewpoint) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_threads_draw_what_one_draws(name: str) -> None:
     scene, view, (qpos, target) = compiled(name), FIRST_VIEWS[name], states(name)
-    expected = Images(scene, view, STATES).render(qpos, target).copy()
-    workers = [Images(scene, view, STATES) for _ in range(4)]
+    expected = Renderer(scene, view, STATES).render(qpos, target).copy()
+    workers = [Renderer(scene, view, STATES) for _ in range(4)]
     with ThreadPoolExecutor(len(workers)) as pool:
         for _ in range(5):
             for pictures in pool.map(lambda worker: worker.render(qpos, target).copy(), workers):
                 np.testing.assert_array_equal(pictures, expected)
 
 
-def test_gallery_draws_any_number() -> None:
+def test_the_parallel_renderer_draws_any_number() -> None:
     view = VIEWS[-1]
     scene, (qpos, target) = compiled(view.scene), states(view.scene)
     qpos, target = np.tile(qpos, (9, 1))[:70], np.tile(target, (9, 1))[:70]
     drawn: list[int] = []
-    pictures, pixels = Gallery(scene, view, 2, segment=True).render(qpos, target, drawn.append)
+    pictures, pixels = ParallelRenderer(scene, view, 2, segment=True).render(qpos, target, drawn.append)
     assert sum(drawn) == 70
-    images = Images(scene, view, 70, segment=True)
+    images = Renderer(scene, view, 70, segment=True)
     np.testing.assert_array_equal(pictures, images.render(qpos, target))
     np.testing.assert_array_equal(pixels, images.target_pixels(70))
 
@@ -162,8 +162,8 @@ def test_unhidden_pixels_are_the_same_in_any_batch() -> None:
 def test_antialiased_pixels_are_means(size: int) -> None:
     view = VIEWS[-1]
     scene, (qpos, target) = compiled(view.scene), states(view.scene)
-    smooth = Images(scene, view, STATES, size=size, antialias=3).render(qpos, target)
-    fine = Images(scene, view, STATES, size=3 * size).render(qpos, target).astype(float)
+    smooth = Renderer(scene, view, STATES, size=size, antialias=3).render(qpos, target)
+    fine = Renderer(scene, view, STATES, size=3 * size).render(qpos, target).astype(float)
     mean = fine.reshape(STATES, size, 3, size, 3, 3).mean(axis=(2, 4))
     assert np.abs(smooth - mean).max() <= 1.0
 
@@ -206,7 +206,10 @@ def test_primitives_like_mujoco_warp(theta: float) -> None:
     scene, view = with_model(PRIMITIVES), Viewpoint(scene="panda_2dof", theta=theta, phi=25)
     qpos = np.linspace(0, 3, STATES)[:, None]
     target = np.random.default_rng(3).uniform([0.4, -0.2, 0.1], [0.6, 0.2, 0.4], (STATES, 3))
-    ours, theirs = Images(scene, view, STATES).render(qpos, target), warp_pictures(scene, view, qpos, target)
+    ours, theirs = (
+        Renderer(scene, view, STATES).render(qpos, target),
+        warp_pictures(scene, view, qpos, target),
+    )
     mean, off = difference(ours, theirs)
     assert mean < 0.01
     assert off < 1e-4
@@ -232,4 +235,4 @@ def test_what_cannot_be_drawn_is_named(text: str, instead: str, message: str) ->
     asset = "<worldbody>", '<asset><hfield name="h" nrow="4" ncol="4" size="1 1 1 .1"/></asset><worldbody>'
     scene = with_model(PRIMITIVES.replace(text, instead).replace(*asset))
     with pytest.raises(BelvedereError, match=message):
-        Images(scene, Viewpoint(scene="panda_2dof", theta=0, phi=0), 1)
+        Renderer(scene, Viewpoint(scene="panda_2dof", theta=0, phi=0), 1)

@@ -166,7 +166,7 @@ def test_after_a_failure_none_begins_and_those_at_work_finish(
     assert "failing: failed" in capsys.readouterr().out
 
 
-@pytest.mark.usefixtures("heeded_signals")
+@pytest.mark.usefixtures("handled_signals")
 @pytest.mark.parametrize("name", ["long", "long-stubborn"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_an_interrupt_ends_all_that_was_started(

@@ -19,7 +19,7 @@ def test_draws_spread_over_the_workspace(scene: Scene) -> None:
     axes = list(scene.axes)
     workspace = (np.array(scene.params.workspace.high_m) - scene.params.workspace.low_m)[axes]
     assert (np.ptp(episodes.target_m[:, axes], axis=0) >= workspace / 3).all()
-    if scene.robot.drive == "joints":  # Fetch always starts at the same place
+    if scene.robot.control == "joints":  # Fetch always starts at the same place
         assert (np.ptp(episodes.start_m[:, axes], axis=0) >= 0.6 * workspace).all()
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.rendering.renderer import Images
-from pipeline.sim.arm_controllers import wished_place
+from pipeline.rendering.renderer import Renderer
+from pipeline.sim.arm_controllers import next_setpoint
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.robots import UPRIGHT
 from pipeline.sim.scene import Scene, compile_scene
@@ -41,7 +41,7 @@ def test_batch_and_dm_control_agree_to_the_bit(scene: Scene) -> None:
     batch = run(Worlds(scene, COUNT), episodes, actions)
     env = environment(scene, np.random.default_rng(0))
     view = next(view for view in VIEWS if view.scene == scene.name)
-    images = Images(scene, view, 2)
+    images = Renderer(scene, view, 2)
     for world in range(COUNT):
         env.task.start_with(episodes[np.array([world])])
         step = env.reset()
@@ -109,8 +109,8 @@ def test_a_full_push_moves_the_tip_about_as_far_as_fetch_does(scene: Scene) -> N
     """A commanded 0.05 m moves Fetch about 0.033 m a frame; the Panda is tuned to the same order."""
     episodes, _ = drawn(scene, 4)
     middle = np.mean([scene.params.workspace.low_m, scene.params.workspace.high_m], axis=0)
-    wished = np.sign(middle - episodes.start_m)
-    push = np.repeat(np.where(wished == 0, 1, wished)[:, None, list(scene.axes)], 3, axis=1)
+    setpoint = np.sign(middle - episodes.start_m)
+    push = np.repeat(np.where(setpoint == 0, 1, setpoint)[:, None, list(scene.axes)], 3, axis=1)
     tip = run(Worlds(scene, COUNT), episodes, push)["tip"][..., list(scene.axes)]
     step = np.abs(np.diff(tip, axis=1))[:, -1].max()
     assert 0.015 < step < 0.045
@@ -177,20 +177,20 @@ def test_fetchs_gripper_keeps_pointing_down() -> None:
 
 
 def test_initial_grip_is_fetchs(scene: Scene) -> None:
-    if scene.robot.drive == "mocap":
+    if scene.robot.control == "mocap":
         worlds = Worlds(scene, 1)
         worlds.reset(draw_episodes(scene, 1, np.random.default_rng(0)))
         np.testing.assert_allclose(worlds.tip[0], [1.3418, 0.7491, 0.5347], atol=1e-3)
 
 
 def test_inverse_kinematics_follow_the_jacobian(scene: Scene) -> None:
-    """A small wished displacement is reached along itself, on the controlled axes."""
+    """A small setpoint displacement is reached along itself, on the controlled axes."""
     episodes, _ = drawn(scene, 6)
     action = np.full((COUNT, scene.action_size), 0.2)
-    wished = wished_place(scene, episodes.start_m, episodes.start_m, action)
-    assert np.allclose((wished - episodes.start_m)[:, list(scene.axes)], 0.2 * scene.params.displacement_m)
+    setpoint = next_setpoint(scene, episodes.start_m, episodes.start_m, action)
+    assert np.allclose((setpoint - episodes.start_m)[:, list(scene.axes)], 0.2 * scene.params.displacement_m)
     others = [axis for axis in range(3) if axis not in scene.axes]
-    assert (wished - episodes.start_m)[:, others].any() is np.False_ or not others
+    assert (setpoint - episodes.start_m)[:, others].any() is np.False_ or not others
 
 
 def test_out_of_reach_and_not_a_number_are_told() -> None:
@@ -209,7 +209,7 @@ def test_pictures_of_two_views_differ(view: Viewpoint) -> None:
     scene = compiled(view.scene)
     worlds = Worlds(scene, 1)
     worlds.reset(draw_episodes(scene, 1, np.random.default_rng(0)))
-    here = Images(scene, view, 1).render(worlds.qpos, worlds.target).astype(int)
+    here = Renderer(scene, view, 1).render(worlds.qpos, worlds.target).astype(int)
     turned = Viewpoint(scene=view.scene, theta=view.theta + 20, phi=view.phi)
-    there = Images(scene, turned, 1).render(worlds.qpos, worlds.target).astype(int)
+    there = Renderer(scene, turned, 1).render(worlds.qpos, worlds.target).astype(int)
     assert np.abs(here - there).mean() > 1

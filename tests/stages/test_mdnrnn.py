@@ -34,7 +34,7 @@ def _write_latents(path: Path, broken: bool = False) -> None:
     write_store(path, zarrs.LATENTS, arrays, {"scene": "panda_2dof", "theta_deg": 0.0, "phi_deg": 0.0})
 
 
-def test_it_foretells_what_actions_do_and_the_same_on_two_cores(tmp_path: Path) -> None:
+def test_it_predicts_what_actions_do_and_the_same_on_two_cores(tmp_path: Path) -> None:
     written = []
     for name, cores in (("one", 1), ("two", 2)):
         place = Workplace(tmp_path / name, cores)

@@ -13,7 +13,7 @@ import yaml
 
 from pipeline.contract import zarrs
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.rendering.renderer import Images, target_pixels_unhidden
+from pipeline.rendering.renderer import Renderer, target_pixels_unhidden
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import load_scene
 from pipeline.sim.worlds import Worlds
@@ -28,7 +28,7 @@ def write_frames(path: Path, repeats: int) -> None:
     """Renders short random episodes; repeat r is the same however many repeats there are."""
     scene = load_scene(SCENE, ROOT / "params.yaml")
     view = Viewpoint(scene=SCENE, theta=THETA_DEG, phi=PHI_DEG)
-    images = Images(scene, view, EPISODES * FRAMES, segment=True)
+    images = Renderer(scene, view, EPISODES * FRAMES, segment=True)
     columns: dict[str, list[np.ndarray]] = {name: [] for name in zarrs.FRAMES}
     for repeat in range(repeats):
         rng = np.random.default_rng(repeat)

@@ -21,7 +21,7 @@ def test_it_is_the_vaes_posterior(dtype: torch.dtype, error: float, monkeypatch:
     vae = initialised(seeded(1))
     place = Compute(torch.device("cpu"), dtype)
     with torch.inference_mode():
-        wished = vae.encode(torch.from_numpy(BYTES).permute(0, 3, 1, 2).float() / 255)
-    for mine, theirs in zip(Encoder(vae, place).posterior(BYTES), wished, strict=True):
+        expected = vae.encode(torch.from_numpy(BYTES).permute(0, 3, 1, 2).float() / 255)
+    for mine, theirs in zip(Encoder(vae, place).posterior(BYTES), expected, strict=True):
         assert mine.dtype == torch.float32
         assert float((mine - theirs).abs().max()) < error * float(theirs.abs().max())

@@ -39,12 +39,12 @@ def test_steps_are_the_sequence() -> None:
     network = initialised(2, PARAMS, seeded(1))
     latents, actions = _sequences()
     with torch.inference_mode():
-        wished, _ = network.lstm(torch.cat([latents, actions], dim=-1))
+        expected, _ = network.lstm(torch.cat([latents, actions], dim=-1))
         state = network.initial_state(4)
         assert not state.h.any()
         for t in range(9):
             state = network.step(latents[:, t], actions[:, t], state)
-            torch.testing.assert_close(state.h, wished[:, t], rtol=1e-5, atol=1e-6)
+            torch.testing.assert_close(state.h, expected[:, t], rtol=1e-5, atol=1e-6)
 
 
 def test_nll_is_that_of_torchs_mixtures() -> None:
@@ -84,8 +84,8 @@ def test_the_last_frames_nll_is_scipys() -> None:
     training, heldout = torch.randn(2, 6, 20, 3, generator=draws).cumsum(2) * torch.tensor([1.0, 0.1, 3.0])
     moves = [part.diff(dim=1).reshape(-1, 3).double().numpy() for part in (training, heldout)]
     sigma = (moves[0] ** 2).mean(0) ** 0.5
-    wished = -stats.norm.logpdf(moves[1], scale=sigma).mean()
-    assert nll_of_last_frame(training, heldout) == pytest.approx(wished, rel=1e-5)
+    expected = -stats.norm.logpdf(moves[1], scale=sigma).mean()
+    assert nll_of_last_frame(training, heldout) == pytest.approx(expected, rel=1e-5)
 
 
 def test_weights_come_back(tmp_path: Path) -> None:
@@ -93,8 +93,8 @@ def test_weights_come_back(tmp_path: Path) -> None:
     save_mdnrnn(tmp_path / "rnn.pt", network)
     again = load_mdnrnn(tmp_path / "rnn.pt")
     assert again.log_sigma_bound == network.log_sigma_bound
-    for mine, wished in zip(again.parameters(), network.parameters(), strict=True):
-        assert torch.equal(mine, wished)
+    for mine, expected in zip(again.parameters(), network.parameters(), strict=True):
+        assert torch.equal(mine, expected)
 
 
 @pytest.mark.parametrize(

@@ -23,8 +23,8 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> zarrs.Store:
 
 
 def test_folding_is_torchs_pixel_unshuffle() -> None:
-    wished = F.pixel_unshuffle(torch.from_numpy(BYTES).permute(0, 3, 1, 2).float() / 255, 2)
-    torch.testing.assert_close(floats(fold(BYTES)), wished)
+    expected = F.pixel_unshuffle(torch.from_numpy(BYTES).permute(0, 3, 1, 2).float() / 255, 2)
+    torch.testing.assert_close(floats(fold(BYTES)), expected)
 
 
 def test_unfolding_gives_the_bytes_back() -> None:
@@ -34,8 +34,8 @@ def test_unfolding_gives_the_bytes_back() -> None:
 def test_blocks_hold_four_by_four_pixels_and_are_a_view() -> None:
     numbers = floats(fold(BYTES))
     blocked = blocks(numbers)
-    wished = F.pixel_unshuffle(torch.from_numpy(BYTES).permute(0, 3, 1, 2).float() / 255, 4)
-    torch.testing.assert_close(blocked.flatten(3).sort(3).values, wished.permute(0, 2, 3, 1).sort(3).values)
+    expected = F.pixel_unshuffle(torch.from_numpy(BYTES).permute(0, 3, 1, 2).float() / 255, 4)
+    torch.testing.assert_close(blocked.flatten(3).sort(3).values, expected.permute(0, 2, 3, 1).sort(3).values)
     assert blocked.untyped_storage().data_ptr() == numbers.untyped_storage().data_ptr()
     assert torch.equal(folded(blocked), numbers)
 

@@ -35,8 +35,8 @@ def test_values_equal_those_of_the_published_form(both: tuple[Vae, PublishedVae]
     ours, theirs = both
     pictures, latents = torch.rand(5, 3, 64, 64, generator=seeded(2)), torch.randn(5, 32, generator=seeded(3))
     with torch.inference_mode():
-        for mine, wished in zip(ours.encode(pictures), theirs.encode(pictures), strict=True):
-            torch.testing.assert_close(mine, wished, rtol=1e-4, atol=1e-5)
+        for mine, expected in zip(ours.encode(pictures), theirs.encode(pictures), strict=True):
+            torch.testing.assert_close(mine, expected, rtol=1e-4, atol=1e-5)
         torch.testing.assert_close(ours.decode(latents), theirs.decode(latents), rtol=1e-4, atol=1e-5)
 
 
@@ -47,9 +47,9 @@ def test_gradients_equal_those_of_the_published_form(both: tuple[Vae, PublishedV
         mean, log_variance = vae.encode(pictures)
         loss = F.mse_loss(vae.decode(mean + log_variance), pictures, reduction="sum")
         gradients.append(torch.autograd.grad(loss, list(vae.parameters())))
-    for mine, wished in zip(*gradients, strict=True):
-        scale = float(wished.abs().max())
-        torch.testing.assert_close(mine, wished, rtol=1e-3, atol=1e-4 * scale)
+    for mine, expected in zip(*gradients, strict=True):
+        scale = float(expected.abs().max())
+        torch.testing.assert_close(mine, expected, rtol=1e-3, atol=1e-4 * scale)
 
 
 def test_kl_is_that_of_torchs_distributions() -> None:

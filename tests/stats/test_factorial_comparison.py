@@ -15,8 +15,8 @@ from pipeline.contract.viewpoints import Viewpoint
 from pipeline.stats.branches import Results
 from pipeline.stats.claims import Claim
 from pipeline.stats.dqn import DqnResults, read_dqn
+from pipeline.stats.factorial_comparison import comparison
 from pipeline.stats.params import RankingParams
-from pipeline.stats.section3 import comparison
 
 ANGLES = [(t, p) for p in (30.0, 45.0) for t in (0.0, 45.0, 90.0)]
 KEYS = [f"reach-{letter}" for letter in "abcdef"]

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from pipeline.contract.artefacts import write_json
-from runner.words import announcement, answers
+from runner.messages import announcement, answers
 
 SCENES = ("panda_2dof", "fetch_reach")
 
