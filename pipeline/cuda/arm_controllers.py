@@ -1,4 +1,4 @@
-"""The arm controllers of :mod:`pipeline.sim.arm_controllers` as Warp kernels, for worlds that stay on a device."""
+"""The arm controllers of :mod:`pipeline.sim.arm_controllers` as Warp kernels, for worlds kept on a device."""
 
 # mypy: disable-error-code="misc, index"
 # (a kernel is no Python: its values have other types inside than outside)

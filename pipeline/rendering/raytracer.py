@@ -1,7 +1,7 @@
 """What rays from one fixed camera hit first, in many worlds at once: Warp kernels.
 
 All worlds share the camera, so what stands still is traced once and bounds every picture's rays.
-Of what moves, packets of rays are tested against what their pixels can hold, nearest first, until it is too far.
+Of what moves, ray packets are tested against what their pixels can hold, nearest first, until it is too far.
 """
 
 # mypy: disable-error-code="misc, index"
