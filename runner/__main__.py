@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.contract import params, scratch
-from pipeline.contract.declared import branches, check_scenes, check_viewpoints
+from pipeline.contract.declared import branches, check_viewpoints
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.machine import CORES_VARIABLE, cores
 from runner.dvc import read_faster
@@ -35,7 +35,6 @@ def main(argv: Sequence[str]) -> int:
     for scene in asked.scenes:
         if scene not in params.value("scenes"):
             raise unknown("scene", scene, params.value("scenes"))
-    check_scenes()
     check_viewpoints()
     print(announcement(asked.scenes), flush=True)
     race(slots, asked.scenes)

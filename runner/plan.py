@@ -77,7 +77,7 @@ def read_pipeline(targets: Sequence[str]) -> Pipeline:
 
 
 def jobs(pipeline: Pipeline, branches: Collection[str], place: int) -> list[Job]:
-    """The jobs that have something to do, in the order in which they are best begun.
+    """The jobs that have something to do, in the order of dvc.yaml.
 
     A branch is one job, and so is each stage of a scene: its rollouts, anchors, ranking. The stages in which
     scenes meet are in no job.

@@ -86,8 +86,8 @@ def steps(name: str) -> list[Step]:
     form = STAGES[name]
     if "foreach" not in form:
         return [_step(name, form, {})]
-    if isinstance(form["foreach"], list):
-        return [_step(name, form["do"], {"item": SCENE})]
+    if form["foreach"] == "${scenes}":
+        return [_step(name, form["do"], {"key": SCENE})]
     params = yaml.safe_load(Path("params.yaml").read_text(encoding="utf-8"))
     views = {**params["viewpoints"], "study": params["viewpoint"]}
     return [

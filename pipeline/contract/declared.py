@@ -1,7 +1,9 @@
-"""What dvc.yaml repeats stages over, held to the viewpoints and scenes of params.yaml.
+"""The branches that dvc.yaml lists, held to the viewpoints of params.yaml.
 
-DVC repeats a stage over the keys that dvc.yaml lists. A viewpoint that only params.yaml has would never be
-computed, and one whose line was taken out of dvc.yaml would go on being ranked from its last result.
+Scenes need no list (`foreach: ${scenes}`). Branches do: the study's viewpoint stands by itself, so that
+`dvc exp run -S viewpoint.phi=30` changes it, and DVC cannot join it to the map `viewpoints`. A viewpoint
+that only params.yaml has would never be computed, and one whose line was taken out of dvc.yaml would go on
+being ranked from its last result.
 """
 
 from __future__ import annotations
@@ -19,8 +21,8 @@ PIPELINE_FILE = Path("dvc.yaml")
 
 
 def branches(path: Path = PIPELINE_FILE) -> frozenset[str]:
-    """The branches: what dvc.yaml repeats stages over by a map (a list of scenes is no map)."""
-    return frozenset(key for each in _repeated(path, dict).values() for key in each)
+    """The branches: what dvc.yaml repeats stages over by a map."""
+    return frozenset(key for each in _branch_stages(path).values() for key in each)
 
 
 def check_viewpoints(path: Path = PIPELINE_FILE, parameters: Path = params.PARAMS_FILE) -> None:
@@ -31,7 +33,7 @@ def check_viewpoints(path: Path = PIPELINE_FILE, parameters: Path = params.PARAM
     """
     named = params.value("viewpoints", path=parameters) or {}
     wanted = {STUDY: "${viewpoint}"} | {key: f"${{viewpoints.{key}}}" for key in named}
-    for stage, found in _repeated(path, dict).items():
+    for stage, found in _branch_stages(path).items():
         for key, place in wanted.items():
             if found.get(key) != place:
                 raise BelvedereError(
@@ -46,27 +48,11 @@ def check_viewpoints(path: Path = PIPELINE_FILE, parameters: Path = params.PARAM
             )
 
 
-def check_scenes(path: Path = PIPELINE_FILE, parameters: Path = params.PARAMS_FILE) -> None:
-    """Checks that the stages of scenes are repeated over the scenes of params.yaml.
-
-    Raises:
-        BelvedereError: a scene stands in one of the files only.
-    """
-    wanted = set(params.value("scenes", path=parameters))
-    for stage, found in _repeated(path, list).items():
-        for scene in sorted(wanted ^ set(found)):
-            here, there = (parameters, path) if scene in wanted else (path, parameters)
-            raise BelvedereError(
-                f"{here} has the scene {scene!r}, but {there} has not (stage {stage!r} is repeated over "
-                f"{', '.join(map(str, found))}): add it to {there}, or take it out of {here}."
-            )
-
-
-def _repeated(path: Path, kind: type) -> dict[str, Any]:
-    """By stage, what it is repeated over, of the stages that are repeated over a ``kind``."""
+def _branch_stages(path: Path) -> dict[str, dict[str, str]]:
+    """By stage that is repeated over branches, its branches and where their values stand."""
     try:
         tree = read_yaml(path)
     except FileNotFoundError:
         raise BelvedereError(f"{path} is missing; run this from the repository's root.") from None
     stages: Mapping[str, Any] = tree["stages"]
-    return {name: s["foreach"] for name, s in stages.items() if isinstance(s.get("foreach"), kind)}
+    return {name: s["foreach"] for name, s in stages.items() if isinstance(s.get("foreach"), dict)}

@@ -9,18 +9,13 @@ from typing import Any
 import pytest
 import yaml
 
-from pipeline.contract.declared import branches, check_scenes, check_viewpoints
+from pipeline.contract.declared import branches, check_viewpoints
 from pipeline.contract.errors import BelvedereError
 from tests.support import ROOT, Clone
 
 Tree = dict[str, Any]
 ADDED = {"scene": "fetch_reach", "theta": 20, "phi": 30}
 LINE = "${viewpoints.fetch_reach-g}"
-
-
-def check() -> None:
-    check_scenes()
-    check_viewpoints()
 
 
 @pytest.fixture
@@ -45,10 +40,10 @@ def in_all(key: str, place: str) -> Callable[[Tree, Tree], object]:
 
 def test_the_repositorys_own_files_agree(change: Callable[..., None]) -> None:
     change()
-    check()
+    check_viewpoints()
     change(lambda params, _: params["viewpoints"].update({"fetch_reach-g": ADDED}))
     change(in_all("fetch_reach-g", LINE))
-    check()
+    check_viewpoints()
     assert "fetch_reach-g" in branches()
 
 
@@ -76,14 +71,6 @@ DISAGREEING: dict[str, tuple[Callable[[Tree, Tree], object], str]] = {
         ),
         r"add the line `fetch_reach-c: \$\{viewpoints\.fetch_reach-c\}`",
     ),
-    "a scene is in params.yaml only": (
-        lambda params, _: params["scenes"].update(mine=params["scenes"]["panda_1dof"]),
-        r"params\.yaml has the scene 'mine', but dvc\.yaml has not",
-    ),
-    "a scene is in dvc.yaml only": (
-        lambda _, stages: stages["ranking"]["foreach"].append("mine"),
-        r"dvc\.yaml has the scene 'mine', but params\.yaml has not",
-    ),
 }
 
 
@@ -92,7 +79,7 @@ def test_where_the_files_disagree_a_sentence_names_both(change: Callable[..., No
     damage, message = DISAGREEING[case]
     change(damage)
     with pytest.raises(BelvedereError, match=message):
-        check()
+        check_viewpoints()
 
 
 def test_the_front_door_says_so_before_anything_runs(clone: Clone) -> None:

@@ -54,7 +54,7 @@ def stages() -> dict[str, object]:
     anchors = {"cmd": "python anchors.py", "deps": ["anchors.py"], "metrics": [{LEVELS: {"cache": False}}]}
     return {
         "evaluation": {"foreach": {"study": "${viewpoint}"}, "do": evaluation},
-        "anchors": {"foreach": ["panda_2dof"], "do": anchors},
+        "anchors": {"foreach": "${scenes}", "do": anchors},
     }
 
 
