@@ -13,7 +13,7 @@ from pipeline.contract import params
 from pipeline.contract.machine import cores
 from pipeline.control.evolution import start
 from pipeline.control.jobs import Job
-from pipeline.control.loops import judge
+from pipeline.control.loops import mean_returns
 from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.control.policy import hidden_weights, parameters
 from pipeline.sim.draws import draw_episodes
@@ -43,7 +43,7 @@ def measure_scene(name: str) -> Row:
         begin = time.perf_counter()
         asked = np.array(search.strategy.ask())
         middle = time.perf_counter()
-        (returns,) = judge(loops, [Job.of(0, asked, episodes)], sizes.population)
+        (returns,) = mean_returns(loops, [Job.of(0, asked, episodes)], sizes.population)
         end = time.perf_counter()
         search.strategy.tell(list(asked), list(-returns))
         ours.append(1e3 * (middle - begin + time.perf_counter() - end))

@@ -17,7 +17,7 @@ from benchmarks.rows import AT_MOST, NO_CUDA, Row, goal_row
 from benchmarks.training import BRANCH, trained
 from pipeline.contract import params
 from pipeline.control.jobs import Job
-from pipeline.learning.device import compute
+from pipeline.learning.device import set_up_torch
 from pipeline.sim.draws import draw_episodes
 
 CANDIDATES, EPISODES, ROUNDS = 64, 64, 3  # 4,096 worlds
@@ -28,7 +28,7 @@ BUDGET, GOAL_MIN = "paper", 5.0
 
 def measure() -> list[Row]:
     """A row for each scene's loop, and one for a branch."""
-    there = compute().device.type == "cuda"
+    there = set_up_torch().device.type == "cuda"
     note = "" if there else NO_CUDA
     rows = []
     for name in VIEWS:

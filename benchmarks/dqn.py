@@ -13,10 +13,10 @@ from benchmarks.rows import Row, goal_row
 from pipeline.contract import params
 from pipeline.contract.machine import cores
 from pipeline.contract.viewpoints import viewpoint
-from pipeline.learning.device import compute
-from pipeline.qlearning.judge import network
+from pipeline.learning.device import set_up_torch
 from pipeline.qlearning.params import DqnParams, DqnSizes
 from pipeline.qlearning.reach_env import ReachEnv
+from pipeline.qlearning.training import network
 from pipeline.sim.scene import load_scene
 
 SCENE, THETA_DEG, PHI_DEG = "fetch_reach", 45.0, 30.0
@@ -27,14 +27,14 @@ def measure() -> list[Row]:
     """Two rows: medians over rounds in which ours and the peer are measured in turn. No goal is set."""
     method = params.section(DqnParams, "dqn")
     sizes = params.section(DqnSizes, "budgets", "quick", "dqn")
-    scene, place = load_scene(SCENE), compute()
+    scene, place = load_scene(SCENE), set_up_torch()
     env = ReachEnv(
         scene, viewpoint(SCENE, THETA_DEG, PHI_DEG), method.worlds, np.random.default_rng(1), cores()
     )
     frames = EPISODES * scene.frames * method.worlds
     sizes = sizes.model_copy(update={"frames": frames, "memory": frames})
     model = network(env, method, sizes, place, 1)
-    model.learning_starts = 0  # each call begins to count anew, and is to learn from its first frame
+    model.learning_starts = 0  # each call begins to count again, and is to learn from its first frame
     model.learn(frames // EPISODES)  # also the first call, which compiles
     pictures = torch.randint(256, (method.batch, 3, 64, 64), device=place.device) / 255.0
     seconds: dict[str, list[float]] = {"learn": [], "act": [], "train": [], "network": []}

@@ -16,7 +16,7 @@ from benchmarks.rows import Row
 from pipeline.contract import params
 from pipeline.contract.machine import cores
 from pipeline.control.jobs import Job
-from pipeline.control.loops import judge
+from pipeline.control.loops import mean_returns
 from pipeline.control.params import EvaluationSizes, SearchSizes
 from pipeline.control.policy import Controllers
 from pipeline.learning.side_by_side import killed_is_told
@@ -54,19 +54,19 @@ def worlds_rows() -> list[Row]:
 
 
 def candidates_rows() -> list[Row]:
-    """Seconds to judge so many candidates, each in the quick budget's episodes."""
+    """Seconds to evaluate so many candidates, each in the quick budget's episodes."""
     sizes = params.section(SearchSizes, "budgets", "quick", "controller")
     chosen = setting(SCENE)
     loops = chosen.loops(cores())
     episodes = draw_episodes(chosen.scene, sizes.episodes, np.random.default_rng(1))
     flat = candidates(chosen.scene, max(CANDIDATES))
 
-    def judged(count: int) -> None:
-        judge(loops, [Job.of(0, flat[:count], episodes)], count)
+    def evaluated(count: int) -> None:
+        mean_returns(loops, [Job.of(0, flat[:count], episodes)], count)
 
-    judged(max(CANDIDATES))  # the first call compiles
-    each = {n: _seconds(partial(judged, n)) for n in CANDIDATES}
-    return [_growth("candidates judged", count, seconds) for count, seconds in each.items()]
+    evaluated(max(CANDIDATES))  # the first call compiles
+    each = {n: _seconds(partial(evaluated, n)) for n in CANDIDATES}
+    return [_growth("candidates evaluated", count, seconds) for count, seconds in each.items()]
 
 
 def repeats_rows() -> list[Row]:

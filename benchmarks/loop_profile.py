@@ -20,7 +20,7 @@ from benchmarks.loops import Setting, candidates
 from benchmarks.rows import Row
 from pipeline.control.loop import SHARD, Loop, Workers
 from pipeline.control.policy import Controllers
-from pipeline.learning.device import compute
+from pipeline.learning.device import set_up_torch
 from pipeline.sim.draws import draw_episodes
 from pipeline.worldmodel.encoder import Encoder
 
@@ -92,7 +92,7 @@ def profile(chosen: Setting) -> list[Row]:
 
 def timed_loop(chosen: Setting, clock: Clock) -> Loop:
     """The closed loop with one worker, whose parts a clock watches."""
-    encoder: Any = clock.timed("encode", Encoder(chosen.vae, compute()))
+    encoder: Any = clock.timed("encode", Encoder(chosen.vae, set_up_torch()))
     rnn = copy.copy(chosen.rnn)
     workers = Workers(chosen.scene, chosen.view, threads=1)
     worker = workers._free[0]

@@ -12,7 +12,7 @@ from pipeline.control.jobs import Networks
 from pipeline.control.loop import Loop, Workers
 from pipeline.control.loops import Loops, closed_loops
 from pipeline.control.policy import parameters
-from pipeline.learning.device import compute
+from pipeline.learning.device import set_up_torch
 from pipeline.sim.scene import Scene, load_scene
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.mdnrnn import MdnRnn
@@ -39,11 +39,11 @@ class Setting:
 
     def loop(self, threads: int) -> Loop:
         """Belvedere's closed loop, on the device and in the precision that the environment chooses."""
-        return Loop(Workers(self.scene, self.view, threads), Encoder(self.vae, compute()), self.rnn)
+        return Loop(Workers(self.scene, self.view, threads), Encoder(self.vae, set_up_torch()), self.rnn)
 
     def loops(self, threads: int) -> Loops:
         """The same as the stages have it."""
-        place = compute()
+        place = set_up_torch()
         networks = Networks(Encoder(self.vae, place), self.rnn)
         return closed_loops(self.scene, self.view, [networks], place.device, threads)
 

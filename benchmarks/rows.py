@@ -42,10 +42,10 @@ def goal_row(
         goal_is: :data:`AT_LEAST` or :data:`AT_MOST`.
         note: a few words, such as :data:`NO_CUDA`.
     """
-    judged = ours if ratio is None else ratio
+    compared = ours if ratio is None else ratio
     holds = None
-    if judged is not None and goal is not None:
-        holds = bool(judged >= goal if goal_is == AT_LEAST else judged <= goal)
+    if compared is not None and goal is not None:
+        holds = bool(compared >= goal if goal_is == AT_LEAST else compared <= goal)
     row = dict(zip(HEADER, (work, scene, ours, peer, unit, ratio, goal, holds), strict=True))
     return {**row, "goal_is": goal_is, "note": note}
 

@@ -1,6 +1,6 @@
 """`./run python -m benchmarks.sizes SCENE THETA PHI --repeats N [-S PATH=VALUE …]`: what sizes buy.
 
-One viewpoint is trained and judged by the stages themselves, one after the other in this process, in a
+One viewpoint is trained and evaluated by the stages themselves, one after the other in this process, in a
 temporary folder, on one core. The row says what the world model sees, how well its controllers do, how far
 repeats scatter, and the processor seconds of one repeat by part. ``-S`` changes params.yaml as DVC's does:
 ``-S budgets.quick.vae.epochs=6 -S vae.beta=0.1``.

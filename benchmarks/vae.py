@@ -21,7 +21,7 @@ from benchmarks.rows import AT_MOST, Row, goal_row
 from benchmarks.vae_profile import Step
 from pipeline.contract.machine import cores
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.learning.device import Compute, compute
+from pipeline.learning.device import Compute, set_up_torch
 from pipeline.learning.training import seeded
 from pipeline.rendering.renderer import Renderer
 from pipeline.sim.draws import draw_episodes
@@ -72,7 +72,7 @@ def rendered(count: int) -> np.ndarray:
 
 def ours(images: np.ndarray, seed: int) -> tuple[Vae, Step]:
     """The network, and one step of its training as the stage does it; ``seed`` is of batches and noise."""
-    place, generator = compute(), seeded(seed)
+    place, generator = set_up_torch(), seeded(seed)
     vae = initialised(seeded(FIRST_WEIGHTS)).to(place.device)
     data = pictures.fold(images).to(place.device)
     optimizer = torch.optim.Adam(vae.parameters(), lr=1e-3, fused=True)
@@ -91,7 +91,7 @@ def ours(images: np.ndarray, seed: int) -> tuple[Vae, Step]:
 
 def peer(images: np.ndarray, seed: int) -> tuple[Vae, Step]:
     """The same of the network as published, in float32 and torch's standard layout."""
-    device, generator = compute().device, seeded(seed)
+    device, generator = set_up_torch().device, seeded(seed)
     vae = published(initialised(seeded(FIRST_WEIGHTS))).to(device)
     data = torch.from_numpy(images).permute(0, 3, 1, 2).contiguous().to(device)
     optimizer = torch.optim.Adam(vae.parameters(), lr=1e-3)
@@ -136,7 +136,9 @@ def measure() -> list[Row]:
             for _ in range(ROUNDS + 1)
         ][1:]
         rates = [statistics.median(column) for column in zip(*rounds, strict=True)]
-        bounds = bound_tables((many[0], one), rates, side_by_side) if compute().device.type == "cpu" else []
+        bounds = (
+            bound_tables((many[0], one), rates, side_by_side) if set_up_torch().device.type == "cpu" else []
+        )
     ratio = statistics.median(a / b for a, b in rounds)
     return [
         goal_row("VAE training", SCENE, rates[0], rates[1], "pictures/s", ratio, GOAL),
@@ -154,7 +156,7 @@ def bound_tables(
     steps: Sequence[Step], rates: Sequence[float], side_by_side: Callable[[Sequence[Step]], float]
 ) -> list[Row]:
     """The rows of :mod:`benchmarks.vae_profile`, of the published form and of ours."""
-    mine, theirs = compute(), Compute(compute().device, torch.float32)
+    mine, theirs = set_up_torch(), Compute(set_up_torch().device, torch.float32)
     needed = vae_profile.operations_a_picture(steps[1], BATCH) / 1e6
     forms = (("published", theirs, steps[1], rates[1]), ("ours", mine, steps[0], rates[0]))
     bounds = [
@@ -170,7 +172,7 @@ def same_loss(images: np.ndarray) -> Row:
     """The losses after the same steps from the same weights, and how far they may lie apart.
 
     The bound is how far other batches and noise take the published form's loss by themselves; both
-    numbers are shares of that loss. All are judged alike: in float32, as published, on all pictures.
+    numbers are shares of that loss. All are measured alike: in float32, as published, on all pictures.
     """
     mine = loss_after(STEPS_TO_A_LOSS, *ours(images, 1), images)
     theirs, *others = (loss_after(STEPS_TO_A_LOSS, *peer(images, seed), images) for seed in (1, 2, 3))

@@ -14,7 +14,7 @@ from pipeline.contract.seeds import Stream
 from pipeline.contract.stage import entry
 from pipeline.control.anchors import expert, heading_for, nothing, play
 from pipeline.control.blind import TargetBlind
-from pipeline.control.outcomes import evaluation_episodes, made_with, means, outcomes
+from pipeline.control.outcomes import evaluation_episodes, means, outcomes, provenance
 from pipeline.control.params import EvaluationSizes
 from pipeline.sim.episodes import require_episodes
 from pipeline.sim.scene import load_scene
@@ -30,13 +30,15 @@ def main(*, scene: str, out: Path, metrics: Path) -> None:
     require_episodes(compiled, count, "evaluation")
     target_blind = TargetBlind(compiled, seeds.generator(params.seed(), 0, Stream.BLIND))
     worlds = Worlds(compiled, count, cores())
-    table = pl.concat([judge(worlds, repeat, target_blind) for repeat in range(params.first_repeats(scene))])
+    table = pl.concat(
+        [measured(worlds, repeat, target_blind) for repeat in range(params.first_repeats(scene))]
+    )
     with writing(out) as aside:
         table.write_parquet(aside)
-    write_json(metrics, {"scene": scene, **means(table, _levels), "made_with": made_with(COMPUTE)})
+    write_json(metrics, {"scene": scene, **means(table, _levels), "provenance": provenance(COMPUTE)})
 
 
-def judge(worlds: Worlds, repeat: int, target_blind: TargetBlind) -> pl.DataFrame:
+def measured(worlds: Worlds, repeat: int, target_blind: TargetBlind) -> pl.DataFrame:
     """One repeat's evaluation episodes, under each policy."""
     scene = worlds.scene
     episodes = evaluation_episodes(scene, worlds.count, params.seed(), repeat)

@@ -1,6 +1,6 @@
 """Evolves the controller of one viewpoint: one search per repeat, in the closed loop with the simulator.
 
-Where the VAE's code does not hold the way to the target, a search has nothing to find: it ends after one
+Where the VAE's latent does not hold the way to the target, a search has nothing to find: it ends after one
 generation, which shows where it would begin.
 """
 
@@ -24,7 +24,7 @@ from pipeline.control.loops import closed_loops
 from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.control.search import Repeat, search_controllers, search_sizes
 from pipeline.control.searched import curves, gather_controllers, save_search
-from pipeline.learning.device import compute
+from pipeline.learning.device import set_up_torch
 from pipeline.sim.scene import Scene, load_scene
 
 READ = ("mean", "action", "reward")
@@ -60,7 +60,7 @@ def evolve_repeats(
     scene: Scene, view: Viewpoint, sizes: SearchSizes, latents: zarrs.Store, models: Sequence[Models]
 ) -> list[Path]:
     """The scratch folders of the repeats' finished searches; ``models`` are their VAE and MDN-RNN."""
-    place, method = compute(), params.section(ControllerParams, "controller")
+    place, method = set_up_torch(), params.section(ControllerParams, "controller")
     seed, share = params.seed(), params.heldout_share()
 
     def make(places: Mapping[int, Place]) -> None:

@@ -16,15 +16,15 @@ from pipeline.contract.seeds import Stream
 from pipeline.contract.source import code_digest
 from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
-from pipeline.control.outcomes import evaluation_episodes, made_with, means
+from pipeline.control.outcomes import evaluation_episodes, means, provenance
 from pipeline.control.params import EvaluationSizes
-from pipeline.learning.device import compute
+from pipeline.learning.device import set_up_torch
 from pipeline.learning.side_by_side import at_a_time, in_processes
 from pipeline.qlearning.actions import best_restricted_expert
-from pipeline.qlearning.judge import fit, memory_bytes, require_memory
 from pipeline.qlearning.params import DqnParams, DqnSizes, dqn_params
 from pipeline.qlearning.reach_env import ReachEnv
 from pipeline.qlearning.tables import CURVE, EPISODES, joined
+from pipeline.qlearning.training import fit, memory_bytes, require_memory
 from pipeline.qlearning.trial import tried
 from pipeline.rendering.visibility import refuse_hidden_targets
 from pipeline.sim.draws import draw_episodes
@@ -33,7 +33,7 @@ from pipeline.sim.scene import Scene, load_scene
 
 def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metrics: Path) -> None:
     """Writes every evaluation episode's outcome, the curves and the means; empty where none is trained."""
-    compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
+    compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), set_up_torch()
     refuse_hidden_targets(compiled, view)
     method, sizes = dqn_params(scene)
     require_memory(method, sizes, at_a_time(sizes.repeats))
@@ -46,13 +46,13 @@ def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metric
         curves.write_csv(aside)
     facts: dict[str, Any] = {"scene": scene, "theta_deg": theta, "phi_deg": phi, "trained": len(results)}
     facts |= {"replay_memory_bytes": memory_bytes(sizes), **means(episodes, _numbers)}
-    write_json(metrics, {**facts, "made_with": made_with(place.facts())})
+    write_json(metrics, {**facts, "provenance": provenance(place.facts())})
 
 
 def train_repeat(scene: Scene, view: Viewpoint, method: DqnParams, sizes: DqnSizes, repeat: int) -> Path:
     """The scratch folder of a repeat's finished ``episodes.parquet`` and ``curve.parquet``."""
     seed, count = params.seed(), params.budget_section(EvaluationSizes, "evaluation", scene.name).episodes
-    place = compute()
+    place = set_up_torch()
 
     def make(results: Path, running: Path) -> None:
         draws = seeds.generator(seed, repeat, Stream.DQN_EPISODES)
@@ -66,10 +66,10 @@ def train_repeat(scene: Scene, view: Viewpoint, method: DqnParams, sizes: DqnSiz
         rows = trained.curve.with_columns(pl.lit(repeat).alias("repeat"))
         rows.select(pl.col(n).cast(t) for n, t in CURVE.items()).write_parquet(results / "curve.parquet")
 
-    decides: dict[str, Any] = {"code": code_digest("dqn"), "seed": seed, "evaluated": count}
-    decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(exclude={"repeats"})}
-    decides |= {"machine": place.facts(), "scene": scene.params.model_dump(), "view": view.model_dump()}
-    return finished("dqn", repeat, make, **decides)
+    cache_key: dict[str, Any] = {"code": code_digest("dqn"), "seed": seed, "evaluated": count}
+    cache_key |= {"method": method.model_dump(), "sizes": sizes.model_dump(exclude={"repeats"})}
+    cache_key |= {"machine": place.facts(), "scene": scene.params.model_dump(), "view": view.model_dump()}
+    return finished("dqn", repeat, make, **cache_key)
 
 
 def _numbers(rows: pl.DataFrame) -> dict[str, Any]:

@@ -19,11 +19,11 @@ from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.jobs import Networks
 from pipeline.control.loops import closed_loops
-from pipeline.control.outcomes import evaluation_episodes, made_with, means
+from pipeline.control.outcomes import evaluation_episodes, means, provenance
 from pipeline.control.params import EvaluationSizes
 from pipeline.control.policy import load_controller
 from pipeline.control.trial import CLIP, OUTCOMES, numbers, try_out
-from pipeline.learning.device import Compute, compute
+from pipeline.learning.device import Compute, set_up_torch
 from pipeline.sim.episodes import require_episodes
 from pipeline.sim.scene import Scene, load_scene
 
@@ -41,7 +41,7 @@ def main(
     clip: Path,
 ) -> None:
     """Writes every evaluation episode's outcome, their means, and repeat 0's first episode as a film."""
-    compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), compute()
+    compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), set_up_torch()
     repeats = len(list(controller.glob("repeat_*.npz")))
     if not repeats:
         raise BelvedereError(f"{controller} holds no controller; `dvc repro controller` makes it.")
@@ -54,7 +54,7 @@ def main(
     with writing(clip) as aside:
         shutil.copyfile(results[0] / CLIP, aside)
     facts = {"scene": scene, "theta_deg": theta, "phi_deg": phi}
-    write_json(metrics, {**facts, **means(table, numbers), "made_with": made_with(place.facts())})
+    write_json(metrics, {**facts, **means(table, numbers), "provenance": provenance(place.facts())})
 
 
 def evaluate(scene: Scene, view: Viewpoint, place: Compute, models: Sequence[Sequence[Path]]) -> list[Path]:

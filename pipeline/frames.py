@@ -66,9 +66,9 @@ class Studio:
                 arrays = render(self._renderer, store, repeat, progress)
                 zarrs.write(results / REPEAT, zarrs.FRAMES, arrays, facts)
 
-        decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "facts": facts}
-        decides |= {"code": code_digest("frames"), "scene": self._scene.params.model_dump()}
-        return finished("frames", repeat, make, **decides)
+        cache_key: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "facts": facts}
+        cache_key |= {"code": code_digest("frames"), "scene": self._scene.params.model_dump()}
+        return finished("frames", repeat, make, **cache_key)
 
 
 if __name__ == "__main__":

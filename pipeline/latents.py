@@ -1,4 +1,4 @@
-"""Writes each picture of one viewpoint as its code: the VAE's posterior of every frame."""
+"""Writes each picture of one viewpoint as its latent: the VAE's posterior of every frame."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pipeline.contract.repeats import REPEAT, finished, publish_store
 from pipeline.contract.scratch import digest_files
 from pipeline.contract.source import code_digest
 from pipeline.contract.stage import entry
-from pipeline.learning.device import Compute, compute
+from pipeline.learning.device import Compute, set_up_torch
 from pipeline.learning.side_by_side import side_by_side
 from pipeline.worldmodel.encoder import BATCH, Encoder
 from pipeline.worldmodel.vae import LATENTS, load_vae
@@ -23,7 +23,7 @@ from pipeline.worldmodel.vae import LATENTS, load_vae
 def main(*, frames: Path, vae: Path, out: Path) -> None:
     """Encodes each repeat's frames with that repeat's network."""
     store = zarrs.Store(frames, zarrs.FRAMES, "frames")
-    place = compute()
+    place = set_up_torch()
     publish_store(out, side_by_side(lambda r: encode_repeat(store, r, vae, place), store.repeats))
 
 
@@ -37,8 +37,8 @@ def encode_repeat(store: zarrs.Store, repeat: int, vae: Path, place: Compute) ->
         zarrs.write(results / REPEAT, zarrs.LATENTS, arrays, store.attributes)
 
     inputs = digest_files([store.place(repeat), weights])
-    decides: dict[str, Any] = {"inputs": inputs, "code": code_digest("latents"), "machine": place.facts()}
-    return finished("latents", repeat, make, **decides)
+    cache_key: dict[str, Any] = {"inputs": inputs, "code": code_digest("latents"), "machine": place.facts()}
+    return finished("latents", repeat, make, **cache_key)
 
 
 def encode(store: zarrs.Store, repeat: int, encoder: Encoder) -> dict[str, np.ndarray]:
@@ -49,8 +49,8 @@ def encode(store: zarrs.Store, repeat: int, encoder: Encoder) -> dict[str, np.nd
     whole = BATCH // math.gcd(BATCH, frames)  # episodes that fill batches, so that parts round as the whole
     for place in places(episodes, whole):
         rgb = store.episodes("rgb", repeat, place)
-        codes = encoder.posterior(rgb.reshape(-1, *rgb.shape[2:]))
-        mean[place], log_variance[place] = (code.numpy().reshape(-1, frames, LATENTS) for code in codes)
+        latents = encoder.posterior(rgb.reshape(-1, *rgb.shape[2:]))
+        mean[place], log_variance[place] = (part.numpy().reshape(-1, frames, LATENTS) for part in latents)
     return {"mean": mean, "log_variance": log_variance, **same}
 
 

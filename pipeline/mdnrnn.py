@@ -15,7 +15,7 @@ from pipeline.contract.seeds import Stream
 from pipeline.contract.source import code_digest
 from pipeline.contract.split import split_episodes
 from pipeline.contract.stage import entry
-from pipeline.learning.device import Compute, compute
+from pipeline.learning.device import Compute, set_up_torch
 from pipeline.learning.side_by_side import side_by_side
 from pipeline.worldmodel.mdnrnn import save_mdnrnn
 from pipeline.worldmodel.mdnrnn_training import Sequences, fit, sequences
@@ -27,7 +27,7 @@ READ = ("mean", "log_variance", "action")  # not the reward: the network does no
 def main(*, latents: Path, out: Path, metrics: Path) -> None:
     """Writes ``out/repeat_{r}.pt`` and the metrics."""
     store = zarrs.Store(latents, zarrs.LATENTS, "latents")
-    place = compute()
+    place = set_up_torch()
     results = side_by_side(lambda repeat: train_repeat(store, repeat, place), store.repeats)
     publish(out, metrics, store.attributes, results, "mdnrnn")
 
@@ -52,9 +52,9 @@ def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
         save_mdnrnn(results / "weights.pt", network)
         write_json(results / "metrics.json", numbers)
 
-    decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "code": code_digest("mdnrnn")}
-    decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
-    return finished("mdnrnn", repeat, make, seed=seed, heldout_share=share, **decides)
+    cache_key: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "code": code_digest("mdnrnn")}
+    cache_key |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
+    return finished("mdnrnn", repeat, make, seed=seed, heldout_share=share, **cache_key)
 
 
 if __name__ == "__main__":

@@ -54,7 +54,7 @@ def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, 
         "baselines": compare(branches, results.seen, results.common(results.seen).mean(axis=1))
         if race
         else [],
-        "made_with": content.joined(results.made_with),
+        "provenance": content.joined(results.provenance),
     }
     write_json(out, said)
     with writing(table) as aside:

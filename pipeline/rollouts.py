@@ -48,13 +48,13 @@ def draw_repeat(scene: Scene, repeat: int) -> Path:
             arrays = roll(scene, sizes.episodes, process, rng, progress)
         zarrs.write(results / REPEAT, zarrs.ROLLOUTS, arrays, facts)
 
-    decides: dict[str, Any] = {"code": code_digest("rollouts"), "seed": seed, "facts": facts}
-    decides |= {
+    cache_key: dict[str, Any] = {"code": code_digest("rollouts"), "seed": seed, "facts": facts}
+    cache_key |= {
         "scene": scene.params.model_dump(),
         "sizes": sizes.model_dump(),
         "process": process.model_dump(),
     }
-    return finished("rollouts", repeat, make, **decides)
+    return finished("rollouts", repeat, make, **cache_key)
 
 
 if __name__ == "__main__":

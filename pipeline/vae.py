@@ -17,7 +17,7 @@ from pipeline.contract.source import code_digest
 from pipeline.contract.split import split_episodes
 from pipeline.contract.stage import entry
 from pipeline.learning import checkpoints
-from pipeline.learning.device import Compute, compute
+from pipeline.learning.device import Compute, set_up_torch
 from pipeline.learning.side_by_side import at_a_time, side_by_side
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.params import VaeParams, VaeSizes
@@ -32,7 +32,7 @@ READ = ("tip", "target", "target_pixels", "target_pixels_free")
 def main(*, frames: Path, out: Path, metrics: Path, picture: Path) -> None:
     """Writes ``out/repeat_{r}.pt``, the metrics, and repeat 0's held-out reconstructions."""
     store = zarrs.Store(frames, zarrs.FRAMES, "frames")
-    place = compute()
+    place = set_up_torch()
     sizes = params.budget_section(VaeSizes, "vae", str(store.attributes["scene"]))
     require_pictures(store, sizes.frame_stride, at_a_time(store.repeats))
     results = side_by_side(lambda repeat: train_repeat(store, repeat, place), store.repeats)
@@ -70,9 +70,9 @@ def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
         checkpoints.save(results / "weights.pt", vae.cpu().state_dict())
         write_json(results / "metrics.json", numbers)
 
-    decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "code": code_digest("vae")}
-    decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
-    return finished("vae", repeat, make, seed=seed, heldout_share=share, **decides)
+    cache_key: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "code": code_digest("vae")}
+    cache_key |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "machine": place.facts()}
+    return finished("vae", repeat, make, seed=seed, heldout_share=share, **cache_key)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
 """`python -m runner.dvc …` is `dvc …` that checks params.yaml first, and loses less time on YAML and starts.
 
-For every stage DVC parses params.yaml anew, and for every stage that ran dvc.lock, which it then writes
+For every stage DVC parses params.yaml again, and for every stage that ran dvc.lock, which it then writes
 whole, in pure Python: with some hundred stages that takes longer than some stages do. Here libyaml parses
 what is only read, and dvc.lock, in which there are no comments to keep, as DVC writes it alone. Of dvc.lock
-only what changed is written anew (:mod:`runner.lock`), and half of it is never there. The stages of
+only what changed is written again (:mod:`runner.lock`), and half of it is never there. The stages of
 branches are forked from one process (:mod:`runner.warm`). What comes out is the same as by `dvc`, but that
 with --allow-missing what a changed stage reads is made (:mod:`runner.missing`).
 """
@@ -34,7 +34,7 @@ from runner.warm import STAGES, Warm
 
 @lru_cache(maxsize=8)
 def _parsed(text: str) -> bytes:
-    """What a text holds, pickled: DVC parses dvc.lock anew for each target, and may change what it gets."""
+    """What a text holds, pickled: DVC parses dvc.lock again for each target, and may change what it gets."""
     return pickle.dumps(parse(text) or {})
 
 

@@ -1,4 +1,4 @@
-"""The text of dvc.lock after some stages changed, made without writing the others' anew.
+"""The text of dvc.lock after some stages changed, made without writing the others' again.
 
 DVC writes the whole file, in pure Python, after every stage that ran: two seconds of each, with some hundred
 stages, in which the file is cut short. Here the lines of stages that did not change are copied.

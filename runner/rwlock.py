@@ -1,6 +1,6 @@
 """DVC's list of what is being read and written, kept usable after a kill.
 
-DVC empties `.dvc/tmp/rwlock` and writes it anew, so a process that is killed in between leaves no JSON, with
+DVC empties `.dvc/tmp/rwlock` and writes it again, so a process that is killed in between leaves no JSON, with
 which every later run would end ("JSON structure is corrupted").
 """
 

@@ -1,7 +1,7 @@
 """Stages without their start: a process that has imported what stages import, and forks one for each of them.
 
 A branch's stages run one after the other in one process of DVC's. Each would import PyTorch, Zarr, Polars and
-MuJoCo Warp anew, which takes seconds a stage. Nothing of the project is imported here: a stage's own code is
+MuJoCo Warp again, which takes seconds a stage. Nothing of the project is imported here: a stage's own code is
 read when the stage begins, as by `python -m`.
 """
 

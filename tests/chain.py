@@ -55,7 +55,7 @@ class Step:
     @property
     def files(self) -> list[Path]:
         """All files that it reads. What is said of episodes has their store beside it, which is no dep of its
-        own, or one more repeat would make every viewpoint anew."""
+        own, or one more repeat would make every viewpoint again."""
         stores = [dep.with_suffix("") for dep in self.deps if dep.parts[:2] == ("data", "rollouts")]
         return files_below([*self.deps, *stores])
 

@@ -14,7 +14,7 @@ def params_read_by(file: str) -> set[str]:
     """Keys of params.yaml that a script reads, itself or in what it refers to in its imports.
 
     Followed are names of functions, classes and modules, so a key may be found that is never read in
-    fact. A part of a key that is no literal is ``*``, and a key that begins with one is passed over; the
+    fact. A part of a key that is no literal is ``*``, and a key that begins with one is skipped; the
     chosen budget is ``${budget}``.
     """
     keys: set[str] = set()

@@ -1,6 +1,6 @@
 """Damaged files, a campaign: every file that a stage reads by dvc.yaml, in every way of tests/damage.py.
 
-What is damaged as a whole is told, or changes nothing. What lacks an entry is told or passed over, since some
+What is damaged as a whole is told, or changes nothing. What lacks an entry is told or skipped, since some
 entries may be null. A stage that ends with an error says one sentence and leaves its outputs as they were.
 """
 

@@ -107,5 +107,5 @@ def read_json(path: Path, made_by: str) -> dict[str, Any]:
     except (json.JSONDecodeError, UnicodeDecodeError):
         raise BelvedereError(f"{path} is no JSON file; delete it and run `dvc repro {made_by}`.") from None
     if not isinstance(content, dict):
-        raise BelvedereError(f"{path} holds no JSON object; `dvc repro {made_by}` makes it anew.")
+        raise BelvedereError(f"{path} holds no JSON object; `dvc repro {made_by}` makes it again.")
     return content

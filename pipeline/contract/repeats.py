@@ -24,7 +24,7 @@ class Place:
     running: Path
 
 
-def finished(stage: str, repeat: int, make: Callable[[Path, Path], None], **decides: Any) -> Path:
+def finished(stage: str, repeat: int, make: Callable[[Path, Path], None], **cache_key: Any) -> Path:
     """The folder of a repeat's results: from the scratch store, or made now.
 
     Args:
@@ -33,7 +33,7 @@ def finished(stage: str, repeat: int, make: Callable[[Path, Path], None], **deci
         make: called as ``make(results, running)`` where nothing is finished yet; writes its results
             into the folder ``results`` and, as it goes, checkpoints into the folder ``running``,
             where it finds them again after it was killed.
-        **decides: JSON-able values that decide the result (see :func:`pipeline.contract.scratch.folder`).
+        **cache_key: JSON-able values that decide the result (see :func:`pipeline.contract.scratch.folder`).
 
     Returns:
         A folder that is complete and must not be changed.
@@ -42,11 +42,11 @@ def finished(stage: str, repeat: int, make: Callable[[Path, Path], None], **deci
     def make_one(places: Mapping[int, Place]) -> None:
         make(places[repeat].results, places[repeat].running)
 
-    return finished_together(stage, {repeat: decides}, make_one)[0]
+    return finished_together(stage, {repeat: cache_key}, make_one)[0]
 
 
 def finished_together(
-    stage: str, decides: Mapping[int, Mapping[str, Any]], make: Callable[[Mapping[int, Place]], None]
+    stage: str, cache_keys: Mapping[int, Mapping[str, Any]], make: Callable[[Mapping[int, Place]], None]
 ) -> list[Path]:
     """The folders of several repeats' results; those that the scratch store lacks are made in one go.
 
@@ -54,13 +54,13 @@ def finished_together(
 
     Args:
         stage: the stage's name.
-        decides: of each repeat, what decides its result.
+        cache_keys: of each repeat, what decides its result.
         make: called with the places of the repeats that are not finished yet, if there are any.
 
     Returns:
         A folder for each repeat, complete, which must not be changed.
     """
-    homes = {repeat: scratch.folder(stage, repeat, **facts) for repeat, facts in decides.items()}
+    homes = {repeat: scratch.folder(stage, repeat, **facts) for repeat, facts in cache_keys.items()}
     with scratch.locked(homes.values()):
         _make_missing(homes, make)
     return [home / "results" for home in homes.values()]
@@ -90,7 +90,7 @@ def _is_whole(results: Path) -> bool:
         return False
     why = mismatch(results)
     if why:
-        print(f"{results} is damaged ({why}); the repeat is made anew.")
+        print(f"{results} is damaged ({why}); the repeat is made again.")
     return why is None
 
 

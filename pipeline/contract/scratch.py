@@ -40,18 +40,18 @@ def digest_files(paths: Iterable[Path]) -> str:
     return hasher.hexdigest()
 
 
-def folder(stage: str, repeat: int, **decides: Any) -> Path:
+def folder(stage: str, repeat: int, **cache_key: Any) -> Path:
     """The scratch folder of one repeat of a stage, made if need be.
 
     Args:
         stage: the stage's name.
         repeat: which repeat.
-        **decides: JSON-able values that decide the result (hashes, parameters, versions).
+        **cache_key: JSON-able values that decide the result (hashes, parameters, versions).
 
     Raises:
         BelvedereError: the store cannot be written to.
     """
-    key = json.dumps({"repeat": repeat, **decides}, sort_keys=True, default=str)
+    key = json.dumps({"repeat": repeat, **cache_key}, sort_keys=True, default=str)
     path = root() / stage / hashlib.sha256(key.encode()).hexdigest()[:24]
     try:
         path.mkdir(parents=True, exist_ok=True)

@@ -1,8 +1,8 @@
-"""Does the judge see at all? What a probe reads from a view's code, against what guessing gives.
+"""Does the world model see at all? What a probe reads from a view's latents, against what guessing gives.
 
 The stage `controller` asks it before it searches, and `ranking` before it compares.
 
-The first network's code has to hold where the target is from the tip, or what follows is trained on nothing.
+The VAE's latent has to hold where the target is from the tip, or what follows is trained on nothing.
 A multilayer perceptron is trained to read it (stage `vae`); guessing is the training mean. Both are root mean
 squared distances on held-out episodes.
 """
@@ -25,12 +25,12 @@ WHOLE, WHOLE_ENTRY = "tip - target", "tip_to_target_m"
 
 @dataclass(frozen=True)
 class Sight:
-    """What the code of a view tells.
+    """What the latents of a view tell.
 
     Attributes:
         probe_m: error of the probe of tip - target, mean over the first repeats.
         guess_m: of guessing it.
-        misses: empty if the judge sees; else which of ``tip`` and ``target`` the code lacks, or
+        misses: empty if it sees; else which of ``tip`` and ``target`` the latent lacks, or
             ``tip - target`` where each by itself is there.
     """
 
@@ -45,7 +45,7 @@ def read_sight(file: Path, key: str, first: int, share: float) -> Sight:
     Args:
         file: the metrics of its first network.
         key: the branch.
-        first: how many repeats count: always the same ones, so that more repeats decide nothing anew.
+        first: how many repeats count: always the same ones, so that more repeats decide nothing again.
         share: of guessing's error, above which something is not seen.
 
     Raises:

@@ -32,7 +32,7 @@ def read_model(model: type[ModelT], path: Path, made_by: str) -> ModelT:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"])
         raise BelvedereError(
-            f"{path}: {place} is not valid ({first['msg']}); `dvc repro {made_by}` makes it anew."
+            f"{path}: {place} is not valid ({first['msg']}); `dvc repro {made_by}` makes it again."
         ) from None
 
 
@@ -41,7 +41,7 @@ def read_rows(path: Path, columns: Iterable[str], what: str, remedy: str) -> lis
 
     Args:
         path: the file.
-        columns: those that there must be; others are passed over.
+        columns: those that there must be; others are skipped.
         what: what the file should hold, named in errors.
         remedy: how one gets it, a sentence's last part.
 

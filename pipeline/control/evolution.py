@@ -19,12 +19,12 @@ from pipeline.control.params import SearchParams
 
 @dataclass(frozen=True, eq=False)
 class Generation:
-    """One generation of a search, to be judged.
+    """One generation of a search, to be evaluated.
 
     Attributes:
         member: which of the searches that run side by side.
         candidates: shape (p, d).
-        draws: what the judge draws from, for this search alone.
+        draws: what the evaluation draws from, for this search alone.
     """
 
     member: int
@@ -32,7 +32,7 @@ class Generation:
     draws: np.random.Generator
 
 
-Judge = Callable[[Sequence[Generation]], Iterable[np.ndarray]]
+Evaluate = Callable[[Sequence[Generation]], Iterable[np.ndarray]]
 
 
 @dataclass
@@ -51,7 +51,7 @@ class Search:
 
     Attributes:
         strategy: pycma's state.
-        draws: what the judge draws episodes from, generation by generation.
+        draws: what the evaluation draws episodes from, generation by generation.
         returns: of each generation, (p,).
     """
 
@@ -100,20 +100,20 @@ class Run:
     name: str
 
     def so_far(self) -> Search:
-        """The search moved on to the last checkpoint; a damaged one is passed over, with a word."""
+        """The search moved on to the last checkpoint; a damaged one is skipped, with a message."""
         if self._checkpoint.is_file():
             population = int(self.search.strategy.popsize)
             try:
                 known = history.read_history(self._checkpoint, population, self.search.draws)
             except Exception as error:  # a damaged file surfaces as one of many types
-                print(f"{self._checkpoint} is damaged ({type(error).__name__}); {self.name} begins anew.")
+                print(f"{self._checkpoint} is damaged ({type(error).__name__}); {self.name} starts again.")
                 return self.search
             for returns in known:
                 self.search.tell(self.search.ask(0).candidates, returns)
         return self.search
 
     def advance(self, search: Search, generation: Generation, returns: np.ndarray) -> None:
-        """Moves ``search`` on by a judged generation and writes the checkpoint."""
+        """Moves ``search`` on by an evaluated generation and writes the checkpoint."""
         if not np.isfinite(returns).all():
             raise BelvedereError(f"{self.name}: a return is {returns.min()}; look at the stage's input.")
         search.tell(generation.candidates, returns)
@@ -139,7 +139,7 @@ def start(
         population: candidates of a generation.
         method: first standard deviation, form of the covariance.
         rng: draws candidates.
-        draws: is for the judge.
+        draws: is for the evaluation.
         shares: of the first standard deviation, by coordinate, shape (d,); None is all of it.
     """
     options = {
@@ -155,7 +155,7 @@ def start(
     return Search(cma.CMAEvolutionStrategy(first, method.sigma, options), draws)
 
 
-def evolve(runs: Sequence[Run], judge: Judge, generations: int, what: str) -> list[Search]:
+def evolve(runs: Sequence[Run], evaluate: Evaluate, generations: int, what: str) -> list[Search]:
     """Runs searches side by side, one generation of each at a time, up to so many generations.
 
     Each search has its own draws and its own checkpoint, so it ends with the same bytes whichever
@@ -163,7 +163,7 @@ def evolve(runs: Sequence[Run], judge: Judge, generations: int, what: str) -> li
 
     Args:
         runs: the searches.
-        judge: returns, of each generation that it is given, (p,) to be maximised; draws from the
+        evaluate: returns, of each generation that it is given, (p,) to be maximised; draws from the
             generation's own generator alone.
         generations: of each whole search.
         what: the progress bar's words.
@@ -176,9 +176,9 @@ def evolve(runs: Sequence[Run], judge: Judge, generations: int, what: str) -> li
     with Progress(generations * len(runs), what, initial=done) as progress:
         while behind := [i for i, search in enumerate(searches) if len(search.returns) < generations]:
             asked = [searches[i].ask(member=i) for i in behind]
-            judged = list(judge(asked))
-            for generation, returns in zip(asked, judged, strict=True):
+            evaluated = list(evaluate(asked))
+            for generation, returns in zip(asked, evaluated, strict=True):
                 runs[generation.member].advance(searches[generation.member], generation, returns)
-            mean, best = np.mean(judged), np.max(judged)
+            mean, best = np.mean(evaluated), np.max(evaluated)
             progress.advance(len(asked), mean=f"{mean:.2f}", best=f"{best:.2f}")
     return searches

@@ -19,7 +19,7 @@ FILE = "search.npz"
 
 
 def write_history(path: Path, returns: Sequence[np.ndarray], draws: np.random.Generator) -> None:
-    """Writes the returns (p,) of each generation, and how far the judge's draws have come."""
+    """Writes the returns (p,) of each generation, and how far the evaluation's draws have come."""
     state = json.dumps(draws.bit_generator.state)
     with writing(path) as aside, aside.open("wb") as file:
         np.savez(file, returns=np.stack(returns), draws=np.array(state))

@@ -50,6 +50,6 @@ def closed_loops(
     return HostLoops(scene, view, networks, threads)
 
 
-def judge(loops: Loops, jobs: Sequence[Job], candidates: int) -> list[np.ndarray]:
+def mean_returns(loops: Loops, jobs: Sequence[Job], candidates: int) -> list[np.ndarray]:
     """Mean returns (p,) of the ``candidates`` p of each job of :meth:`Job.of`, over the job's episodes."""
     return [trace.returns.reshape(candidates, -1).mean(axis=1) for trace in loops.run(jobs)]

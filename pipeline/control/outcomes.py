@@ -1,4 +1,4 @@
-"""How episodes ended, one row each; the episodes kept for judging; what they were judged with."""
+"""How episodes ended, one row each; the episodes kept for evaluation; their provenance."""
 
 from __future__ import annotations
 
@@ -63,8 +63,8 @@ def means(table: pl.DataFrame, numbers: Callable[[pl.DataFrame], dict[str, Any]]
     return {**overall, "repeats": [{"repeat": int(rows["repeat"][0]), **numbers(rows)} for rows in by_repeat]}
 
 
-def made_with(compute: dict[str, Any]) -> dict[str, Any]:
-    """What decides the last bits of a judgement: ``compute`` (device, dtype), versions, machine."""
+def provenance(compute: dict[str, Any]) -> dict[str, Any]:
+    """What decides the last bits of an evaluation: ``compute`` (device, dtype), versions, machine."""
     packages = {name: version(name.replace("_", "-")) for name in ("torch", "mujoco", "mujoco_warp")}
     machine = f"{platform.machine()} {processor()}"
     return {**compute, "python": platform.python_version(), **packages, "machine": machine}

@@ -41,7 +41,7 @@ class ControllerParams(SearchParams):
 class SearchSizes(Section):
     """Section ``budgets.*.controller``.
 
-    ``episodes`` are those by which each candidate of a generation is judged.
+    ``episodes`` are those by which each candidate of a generation is evaluated.
     """
 
     population: Annotated[int, Field(ge=2, le=10_000)]

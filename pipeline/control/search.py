@@ -1,4 +1,4 @@
-"""The repeats' searches for a controller: where they start, and by which episodes candidates are judged."""
+"""The searches for a controller, one a repeat: where they start, and by which episodes they evaluate."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pipeline.contract.sight import read_sight
 from pipeline.control.evolution import Generation, Run, Search, evolve, start
 from pipeline.control.first import Experience, from_rewards
 from pipeline.control.jobs import Job
-from pipeline.control.loops import Loops, judge
+from pipeline.control.loops import Loops, mean_returns
 from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.control.policy import hidden_weights, parameters
 from pipeline.sim.draws import draw_episodes
@@ -24,7 +24,7 @@ from pipeline.worldmodel.mdnrnn import MdnRnn
 
 
 def search_sizes(scene: str, probes: Path) -> SearchSizes:
-    """The budget's sizes, with one generation where the code does not tell tip - target (``probes``)."""
+    """The budget's sizes, with one generation where the latent does not tell tip - target (``probes``)."""
     sizes = params.budget_section(SearchSizes, "controller", scene)
     sight = read_sight(probes, probes.parent.name, params.first_repeats(scene), params.sight_share())
     return sizes.model_copy(update={"generations": 1}) if sight.misses else sizes
@@ -53,7 +53,7 @@ def search_controllers(
     """Evolves the repeats' controllers in their closed loops, generation by generation.
 
     Args:
-        loops: in which candidates are judged; repeat ``i`` sees through its networks ``i``.
+        loops: in which candidates are evaluated; repeat ``i`` sees through its networks ``i``.
         repeats: those that search; each ends with the same bytes whichever others do.
         method: where they start and how widely.
         sizes: of each search.
@@ -66,12 +66,14 @@ def search_controllers(
         runs.append(Run(search, repeat.running, f"controller, repeat {repeat.number}"))
     with ThreadPoolExecutor(cores()) as pool:  # a GPU would wait for what is drawn one by one
 
-        def judged(generations: Sequence[Generation]) -> list[np.ndarray]:
+        def evaluated(generations: Sequence[Generation]) -> list[np.ndarray]:
             drawn = pool.map(lambda g: draw_episodes(loops.scene, sizes.episodes, g.draws), generations)
             pairs = zip(generations, drawn, strict=True)
-            return judge(loops, [Job.of(g.member, g.candidates, e) for g, e in pairs], sizes.population)
+            return mean_returns(
+                loops, [Job.of(g.member, g.candidates, e) for g, e in pairs], sizes.population
+            )
 
-        return evolve(runs, judged, sizes.generations, f"controller, {len(repeats)} repeats")
+        return evolve(runs, evaluated, sizes.generations, f"controller, {len(repeats)} repeats")
 
 
 def first_search(

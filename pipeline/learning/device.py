@@ -51,8 +51,8 @@ class Compute:
         return facts
 
 
-def compute() -> Compute:
-    """The place that the environment chooses.
+def set_up_torch() -> Compute:
+    """Sets torch up in this process; returns the device and precision that the environment chooses.
 
     ``BELVEDERE_DEVICE`` is ``auto``, ``cpu`` or ``cuda``; ``BELVEDERE_DTYPE`` is ``auto``,
     ``float32`` or ``bfloat16``.
@@ -76,7 +76,7 @@ _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3  # of glibc's mallopt
 
 
 def _keep_memory() -> None:
-    """Asks glibc not to return a step's memory to the system and fetch it anew, page by page, in the next."""
+    """Asks glibc not to return a step's memory to the system and fetch it page by page in the next."""
     if sys.platform == "linux":
         mallopt = getattr(ctypes.CDLL(None), "mallopt", None)  # other C libraries have none
         if mallopt is not None:

@@ -32,7 +32,7 @@ class Problem:
         batch: items per step.
         epochs: at most so many passes.
         loss: mean loss of the items at the given indices; draws come from the generator alone.
-        heldout_loss: the loss by which weights are judged; must draw nothing.
+        heldout_loss: the loss by which weights are compared; must draw nothing.
         gradient_norm: longer gradients are scaled down to this 2-norm; None leaves them.
     """
 
@@ -93,7 +93,7 @@ def train(
         schedule: learning rate and plateau rule (paper, section IV-B).
         generator: the only source of randomness.
         running: folder for the running checkpoint; a checkpoint found there is continued, and the
-            result is the same to the last bit as without interruption. A damaged one is passed over.
+            result is the same to the last bit as without interruption. A damaged one is skipped.
         what: the progress bar's words.
 
     Raises:
@@ -144,7 +144,7 @@ def count_epoch(
 ) -> bool:
     """Counts an epoch with its training and held-out loss; True if it is the best so far.
 
-    Halves the learning rate when the plateau is long enough, and then counts anew.
+    Halves the learning rate when the plateau is long enough, and then counts again.
     """
     if plateau.record(*losses):
         return True
@@ -187,7 +187,7 @@ def _continued(
     try:
         return _restore(checkpoints.load(checkpoint, problem.stage), problem, optimizer, generator)
     except Exception as error:  # torch raises many types on a foreign state
-        print(f"{checkpoint} is damaged ({type(error).__name__}); the training begins anew.")
+        print(f"{checkpoint} is damaged ({type(error).__name__}); the training starts again.")
         return _restore(begun, problem, optimizer, generator)
 
 

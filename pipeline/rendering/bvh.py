@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import warp as wp
 
-# Walks the search tree of a wp.Mesh with 16 rays at once. A node is entered if any ray hits its box
+# Traverses the BVH of a wp.Mesh with 16 rays at once. A node is entered if any ray hits its box
 # nearer than what that ray has met; the nearer child comes first. In a leaf, where faces are smaller
 # than the rays are apart, each ray that hits its box is held against 16 faces at once. All rays start
 # at one point, so of a face's test all but three dot products are done once (Möller and Trumbore
-# 1997), and a face that shows that point its back is passed over, as MuJoCo's renderer does.
+# 1997), and a face that shows that point its back is skipped, as MuJoCo's renderer does.
 # Returns how far the farthest of the 16 rays now reaches. On CUDA each ray goes alone.
 # Where the rays enter and leave a box, from where they cross its planes.
 _SPAN = """

@@ -121,7 +121,7 @@ def _anchors(scene: str) -> tuple[float, float]:
     if stale(made_by):
         raise BelvedereError(
             f"{path} is of other parameters or code than there are here, so that scores would have another "
-            f"unit than the page's; `dvc repro {made_by}` makes it anew."
+            f"unit than the page's; `dvc repro {made_by}` makes it again."
         )
     return float(anchors["blind_mean"]), float(anchors["expert_mean"])
 

@@ -18,7 +18,7 @@ from pipeline.reporting.factorial_comparison import SYMBOLS, claimed, claims, ju
 from pipeline.reporting.learning import Learned, learned, scene_bands
 from pipeline.reporting.pictures import Pictures, read_pictures
 from pipeline.reporting.plots import behind_plot, race_plot, score_plot
-from pipeline.reporting.provenance import costs, flat, made_with
+from pipeline.reporting.provenance import costs, flat, provenance
 from pipeline.reporting.results import Coverage, SceneResults, View, short
 from pipeline.reporting.tables import Alignment
 from pipeline.reporting.tried import TriedScene
@@ -124,7 +124,7 @@ def _results(scenes: Sequence[SceneResults], pictures: Path, random_frames: dict
         "claims": claims(scenes),
         "views": sum(len(scene.views) for scene in scenes),
         "trainings": sum(scene.trainings for scene in scenes),
-        "made_with": made_with(scenes),
+        "provenance": provenance(scenes),
         "costs": costs(scenes),
     }
 

@@ -79,7 +79,7 @@ def costs(scenes: Sequence[SceneResults]) -> Costs:
 
 
 def _records() -> dict[str, tuple[float, str]]:
-    """By stage, seconds and machine; a record that cannot be read is passed over."""
+    """By stage, seconds and machine; a record that cannot be read is skipped."""
     found: dict[str, tuple[float, str]] = {}
     for path in sorted((scratch.root() / "seconds").glob("*.json")):
         try:
@@ -90,16 +90,16 @@ def _records() -> dict[str, tuple[float, str]]:
     return found
 
 
-def made_with(scenes: Iterable[SceneResults]) -> list[tuple[list[str], dict[str, Any]]]:
+def provenance(scenes: Iterable[SceneResults]) -> list[tuple[list[str], dict[str, Any]]]:
     """Devices and versions, scenes made alike under one entry."""
     groups: list[tuple[list[str], dict[str, Any]]] = []
     for scene in scenes:
         for names, facts in groups:
-            if facts == scene.ranking.made_with:
+            if facts == scene.ranking.provenance:
                 names.append(scene.name)
                 break
         else:
-            groups.append(([scene.name], dict(scene.ranking.made_with)))
+            groups.append(([scene.name], dict(scene.ranking.provenance)))
     return groups
 
 

@@ -54,7 +54,7 @@ class Race(Table):
     looks: list[Look]
 
 
-class Ranked(Table):
+class RankedView(Table):
     """One viewpoint's row; returns in metres, scores 0 = target-blind and 1 = expert, probes in metres."""
 
     rank: int
@@ -120,7 +120,7 @@ class Ranking(Table):
     most: int
     answer: Answer
     race: Race
-    viewpoints: dict[str, Ranked]
+    viewpoints: dict[str, RankedView]
     pairs: list[Pair]
     spread: Spread | None
     factorial: Factorial | None
@@ -128,4 +128,4 @@ class Ranking(Table):
     judges: Judges | None
     claims: list[Held]
     baselines: list[Baseline]
-    made_with: dict[str, Any]
+    provenance: dict[str, Any]

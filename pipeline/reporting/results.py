@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.tables import read_model, read_rows
 from pipeline.reporting.curve_files import read_curve, read_dqn_curve
-from pipeline.reporting.rankings import Ranked, Ranking
+from pipeline.reporting.rankings import RankedView, Ranking
 from pipeline.reporting.tables import Anchors, Evaluation, Mdnrnn, Table, Vae, read_of_view
 
 
@@ -22,7 +22,7 @@ class View:
 
     key: str
     label: str
-    ranked: Ranked
+    ranked: RankedView
     vae: Vae
     mdnrnn: Mdnrnn
     evaluation: Evaluation
@@ -129,7 +129,7 @@ def _scene(name: str, rankings: Path, branches: Path, anchors: Path) -> SceneRes
     )
 
 
-def _view(scene: str, key: str, ranked: Ranked, folder: Path) -> View:
+def _view(scene: str, key: str, ranked: RankedView, folder: Path) -> View:
     angles = (ranked.theta_deg, ranked.phi_deg)
     return View(
         key=key,

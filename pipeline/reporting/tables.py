@@ -12,7 +12,7 @@ from pipeline.contract.tables import read_model
 
 
 class Table(BaseModel):
-    """A JSON table as the report reads it; entries that it does not show are passed over."""
+    """A JSON table as the report reads it; entries that it does not show are skipped."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 

@@ -71,7 +71,7 @@ def parameters_digest(scene: str) -> str:
     """A hash of what decides a viewpoint's result in a scene, but for the viewpoint and its repeats."""
     sized = ("rollouts", "vae", "mdnrnn", "controller", "evaluation")
     sizes = params.value("budgets")[params.budget()]
-    decides = [
+    settings = [
         params.seed(),
         params.heldout_share(),
         params.sight_share(),
@@ -83,7 +83,7 @@ def parameters_digest(scene: str) -> str:
         params.value("controller"),
         params.value("scenes")[scene],
     ]
-    return hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()[:16]
+    return hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def of_these_parameters(table: pl.DataFrame, path: Path) -> pl.DataFrame:
@@ -100,7 +100,7 @@ def of_these_parameters(table: pl.DataFrame, path: Path) -> pl.DataFrame:
     if others:
         print(
             f"left out of the page: {', '.join(others)} in {path}, gathered with other parameters than "
-            f"{params.PARAMS_FILE} has now; `python -m pipeline.reporting.gather --out {path}` gathers anew",
+            f"{params.PARAMS_FILE} has now; `python -m pipeline.reporting.gather --out {path}` gathers again",
             file=sys.stderr,
         )
     return kept

@@ -36,7 +36,7 @@ class Trial(Section):
 
 
 class _Entry(Section):
-    """A part of a ranking's JSON; what is not compared is passed over."""
+    """A part of a ranking's JSON; what is not compared is skipped."""
 
     model_config = ConfigDict(extra="ignore")
 

@@ -21,7 +21,7 @@ from pipeline.stats.reading import (
     check_made_alike,
     check_viewpoint,
     foreign,
-    made_with,
+    provenance,
 )
 
 ANCHORS = ("no_op", "blind", "expert")
@@ -39,7 +39,7 @@ class Results:
         sight: of each branch, whether the judge sees there.
         anchors: ``no_op``, ``blind`` and ``expert``, each (repeat,) mean return of an episode, of the first
             repeats only.
-        made_with: how each branch's numbers were made, by key.
+        provenance: how each branch's numbers were made, by key.
     """
 
     branches: dict[str, Viewpoint]
@@ -47,7 +47,7 @@ class Results:
     returns: dict[str, np.ndarray]
     sight: dict[str, Sight]
     anchors: dict[str, np.ndarray]
-    made_with: dict[str, dict[str, Any]]
+    provenance: dict[str, dict[str, Any]]
 
     @property
     def first(self) -> int:
@@ -117,7 +117,7 @@ def read_results(
 
     Args:
         scene: the scene's name.
-        folder: holds one folder per branch; those that params.yaml does not name are passed over.
+        folder: holds one folder per branch; those that params.yaml does not name are skipped.
         anchors: the scene's anchors.
         first: repeats that every branch and the anchors have.
         sight_share: see :func:`pipeline.contract.sight.read_sight`.
@@ -149,7 +149,7 @@ def _read_branch(file: Path, key: str, branch: Viewpoint) -> tuple[np.ndarray, d
     for stage in _BESIDE:
         if (other := file.with_name(f"{stage}.json")).is_file():
             check_viewpoint(other, read_json(other, f"{stage}@{key}"), meant, f"{stage}@{key}")
-    return by_repeat(file, content, ("return",), made_by)[:, 0], made_with(file, content, made_by)
+    return by_repeat(file, content, ("return",), made_by)[:, 0], provenance(file, content, made_by)
 
 
 def _read_anchors(file: Path, scene: str, first: int) -> tuple[np.ndarray, dict[str, Any]]:
@@ -162,7 +162,7 @@ def _read_anchors(file: Path, scene: str, first: int) -> tuple[np.ndarray, dict[
     if len(levels) != first:
         raise foreign(file, f"it has {len(levels)} repeats, but the budget's race.first is {first}", made_by)
     _check_expert(file, levels)
-    return levels, made_with(file, content, made_by)
+    return levels, provenance(file, content, made_by)
 
 
 def _check_repeats(returns: dict[str, np.ndarray], first: int) -> None:
@@ -180,5 +180,5 @@ def _check_expert(file: Path, levels: np.ndarray) -> None:
             raise BelvedereError(
                 f"{file}: in repeat {repeat} the expert returns {expert:g}, not more than target-blind "
                 f"({blind:g}), so sight has nothing to give and a score no meaning; widen the scene's "
-                f"targets in params.yaml, or mend the expert, and rerun the scene's anchors."
+                f"targets in params.yaml, or correct the expert, and rerun the scene's anchors."
             )

@@ -70,7 +70,7 @@ def _spread(race: Race | None) -> dict[str, float | None]:
     return {"sd": float(race.last.error.variance) ** 0.5, "df": float(race.last.error.df)}
 
 
-def joined(made_with: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+def joined(provenance: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
     """What the branches were made with; values that differ stand side by side."""
-    names = sorted({name for made in made_with.values() for name in made})
-    return {name: " | ".join(sorted({str(made.get(name)) for made in made_with.values()})) for name in names}
+    names = sorted({name for made in provenance.values() for name in made})
+    return {name: " | ".join(sorted({str(made.get(name)) for made in provenance.values()})) for name in names}

@@ -185,5 +185,5 @@ def word(difference: float, half_width: float, equivalence_half_width: float, ma
 
 @lru_cache(maxsize=256)
 def studentized_range(confidence: float, means: int, df: float) -> float:
-    """Tukey's quantile q for so many means; SciPy integrates anew for each."""
+    """Tukey's quantile q for so many means; SciPy integrates again for each."""
     return float(stats.studentized_range.ppf(confidence, means, df))

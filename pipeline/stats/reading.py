@@ -56,13 +56,13 @@ def check_viewpoint(
         raise foreign(file, f"it is of {found}, but params.yaml says {meant}", made_by)
 
 
-def made_with(file: Path, content: Mapping[str, Any], made_by: str) -> dict[str, Any]:
+def provenance(file: Path, content: Mapping[str, Any], made_by: str) -> dict[str, Any]:
     """What a file was made with.
 
     Raises:
         BelvedereError: it does not say.
     """
-    made = content.get("made_with")
+    made = content.get("provenance")
     if not isinstance(made, dict):
         raise foreign(file, "it does not say what it was made with", made_by)
     return made

@@ -1,4 +1,4 @@
-"""How the MDN-RNN of one repeat is trained and judged."""
+"""How the MDN-RNN of one repeat is trained and tested."""
 
 from __future__ import annotations
 

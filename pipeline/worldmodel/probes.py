@@ -1,4 +1,4 @@
-"""Latent probes: how well tip and target can be read from z. A world model that cannot is no judge."""
+"""Latent probes: how well tip and target can be read from z. Where it cannot, a view is not ranked."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def probe(training: Labelled, heldout: Labelled, params: ProbeParams, seed: int)
 
     Args:
         training: what the probes are fitted on.
-        heldout: what they are judged on, from other episodes.
+        heldout: what they are tested on, from other episodes.
         params: the network probe.
         seed: its first weights and order.
     """

@@ -1,4 +1,4 @@
-"""How the VAE of one repeat is trained and judged."""
+"""How the VAE of one repeat is trained and tested."""
 
 from __future__ import annotations
 
@@ -84,12 +84,12 @@ def fit(
         return losses(vae, seen[indices.to(compute.device)], noise, compute).total(params).mean()
 
     def heldout_loss() -> float:
-        return float(judge(vae, unseen, fixed_noise, compute).total(params).mean())
+        return float(heldout_losses(vae, unseen, fixed_noise, compute).total(params).mean())
 
     problem = Problem("vae", vae, len(seen), sizes.batch, sizes.epochs, loss, heldout_loss)
     plateau = train(problem, params.schedule, generator, running, what)
     with torch.inference_mode():
-        final = judge(vae, unseen, fixed_noise, compute)
+        final = heldout_losses(vae, unseen, fixed_noise, compute)
         mean = torch.cat([vae.encode_folded(pictures.floats(b))[0] for b in unseen.split(JUDGING_BATCH)])
     return vae, {
         "epochs": plateau.epoch,
@@ -101,7 +101,7 @@ def fit(
     }
 
 
-def judge(vae: Vae, folded_bytes: Tensor, noise: Tensor, compute: Compute) -> Losses:
+def heldout_losses(vae: Vae, folded_bytes: Tensor, noise: Tensor, compute: Compute) -> Losses:
     """The losses of many pictures, a batch at a time."""
     parts = list(zip(folded_bytes.split(JUDGING_BATCH), noise.split(JUDGING_BATCH), strict=True))
     each = [losses(vae, part, draws.to(compute.device), compute) for part, draws in parts]

@@ -1,4 +1,4 @@
-"""How rows are judged and laid out."""
+"""How rows are compared with their goals and laid out."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.vae import ours, peer
 from benchmarks.vae_profile import ADAM, PARTS, REST, bound_row, operations_a_picture, part_of, split_row
-from pipeline.learning.device import compute
+from pipeline.learning.device import set_up_torch
 
 PICTURES = np.random.default_rng(1).integers(0, 256, (64, 64, 64, 3), dtype=np.uint8)
 
@@ -34,7 +34,7 @@ def test_operations_are_those_of_the_layers() -> None:
 
 
 def test_what_is_reached_is_a_share_of_the_bound() -> None:
-    row = bound_row("ours", compute(), mflop=200.0, rate=4e11, reached=500.0)
+    row = bound_row("ours", set_up_torch(), mflop=200.0, rate=4e11, reached=500.0)
     assert (row["so at most pictures/s"], row["reached %"]) == (2000.0, 25.0)
 
 

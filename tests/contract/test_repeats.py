@@ -82,7 +82,7 @@ def test_finished_results_that_are_not_as_they_were_written_are_made_anew(
         DAMAGES[damage](folder / name)
         assert finished("vae", 0, write_two, inputs="a") == folder
         assert {f.relative_to(folder): f.read_bytes() for f in folder.rglob("*") if f.is_file()} == whole
-        assert capsys.readouterr().out.count("the repeat is made anew") == 1
+        assert capsys.readouterr().out.count("the repeat is made again") == 1
     assert finished("vae", 0, write_two, inputs="a") == folder
     assert capsys.readouterr().out == ""
 

@@ -1,4 +1,4 @@
-"""A repeat is made anew where code changed that its stage imports, and nowhere else."""
+"""A repeat is made again where code changed that its stage imports, and nowhere else."""
 
 from __future__ import annotations
 

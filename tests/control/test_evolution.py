@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.control.evolution import Generation, Judge, Run, Search, evolve, start
+from pipeline.control.evolution import Evaluate, Generation, Run, Search, evolve, start
 from pipeline.control.params import SearchParams
 from tests.damage import flipped
 
@@ -32,14 +32,14 @@ def noisy_sphere(generations: Sequence[Generation]) -> list[np.ndarray]:
     ]
 
 
-def alone(search: Search, judge: Judge, generations: int, folder: Path) -> Search:
-    return evolve([Run(search, folder, "test")], judge, generations, "test")[0]
+def alone(search: Search, evaluate: Evaluate, generations: int, folder: Path) -> Search:
+    return evolve([Run(search, folder, "test")], evaluate, generations, "test")[0]
 
 
-def three(folder: Path, judge: Judge = noisy_sphere) -> list[Search]:
+def three(folder: Path, evaluate: Evaluate = noisy_sphere) -> list[Search]:
     """Three searches side by side."""
     runs = [Run(search(seed=seed), folder / str(seed), f"test {seed}") for seed in range(3)]
-    return evolve(runs, judge, GENERATIONS, "test")
+    return evolve(runs, evaluate, GENERATIONS, "test")
 
 
 @pytest.mark.parametrize("diagonal", [True, False])

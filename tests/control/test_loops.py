@@ -9,7 +9,7 @@ import torch
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.control.jobs import Job, Networks
 from pipeline.control.loop import Loop, Workers
-from pipeline.control.loops import HostLoops, closed_loops, judge
+from pipeline.control.loops import HostLoops, closed_loops, mean_returns
 from pipeline.control.policy import Controllers, parameters
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene
@@ -45,8 +45,8 @@ def test_each_job_sees_through_its_own_networks_to_the_same_bytes_as_alone(
 
 def test_every_candidate_is_judged_by_the_same_episodes(scene: Scene, loops: HostLoops) -> None:
     episodes, flat = draw_episodes(scene, 5, RNG), candidates(scene, 3)
-    (together,) = judge(loops, [Job.of(0, flat, episodes)], candidates=3)
-    alone = [judge(loops, [Job.of(0, one[None], episodes)], candidates=1)[0][0] for one in flat]
+    (together,) = mean_returns(loops, [Job.of(0, flat, episodes)], candidates=3)
+    alone = [mean_returns(loops, [Job.of(0, one[None], episodes)], candidates=1)[0][0] for one in flat]
     np.testing.assert_allclose(together, alone, atol=1e-5)
     assert len(set(together)) == 3
 

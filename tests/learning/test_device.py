@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.learning.device import Compute, compute
+from pipeline.learning.device import Compute, set_up_torch
 
 
 @pytest.mark.parametrize(
@@ -19,21 +19,21 @@ from pipeline.learning.device import Compute, compute
 def test_a_bad_choice_is_named(monkeypatch: pytest.MonkeyPatch, variable: str, value: str) -> None:
     monkeypatch.setenv(variable, value)
     with pytest.raises(BelvedereError, match=f"{variable}.*{value}"):
-        compute()
+        set_up_torch()
 
 
 @pytest.mark.skipif(torch.cuda.is_available(), reason="there is a CUDA device")
 def test_cuda_is_refused_where_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BELVEDERE_DEVICE", "cuda")
     with pytest.raises(BelvedereError, match="use auto or cpu"):
-        compute()
+        set_up_torch()
 
 
 def test_the_choice_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
     before = torch.get_num_threads()
     for variable, value in (("BELVEDERE_DEVICE", "cpu"), ("BELVEDERE_DTYPE", "bfloat16")):
         monkeypatch.setenv(variable, value)
-    place = compute()
+    place = set_up_torch()
     try:
         assert (place.device.type, place.dtype, torch.get_num_threads()) == ("cpu", torch.bfloat16, 1)
         assert not torch.backends.cudnn.allow_tf32

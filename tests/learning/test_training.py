@@ -83,10 +83,10 @@ def test_a_damaged_checkpoint_is_passed_over_with_a_word(
     else:
         ways = {"empty": b"", "half": good[:half], "junk": b"junk", "flipped": flipped(good, 8 * half)}
         checkpoint.write_bytes(ways[damage])
-    anew = _problem()
-    assert train(anew, SCHEDULE, seeded(7), tmp_path, "the training") == undisturbed
-    assert torch.equal(_weights(anew), _weights(whole))
-    assert "the training begins anew" in capsys.readouterr().out
+    again = _problem()
+    assert train(again, SCHEDULE, seeded(7), tmp_path, "the training") == undisturbed
+    assert torch.equal(_weights(again), _weights(whole))
+    assert "the training starts again" in capsys.readouterr().out
 
 
 def test_the_best_heldout_weights_are_kept(tmp_path: Path) -> None:

@@ -55,7 +55,7 @@ def write_world_model(folder: Path, repeats: int = 1) -> dict[str, Path]:
 
 
 def write_probes(folder: Path, sees: bool = True) -> dict[str, Path]:
-    """The flag ``probes``: metrics of a VAE whose code tells, or does not tell, where tip and target are."""
+    """The flag ``probes``: metrics of a VAE whose latent tells where tip and target are, or not."""
     entries = ("tip_m", "target_m", "tip_to_target_m")
     errors = {f"probe_mlp_{name}": 0.01 if sees else 0.19 for name in entries}
     errors |= {f"guess_{name}": 0.2 for name in entries}

@@ -13,7 +13,7 @@ import yaml
 from scipy import stats
 
 REPOSITORY = Path(__file__).parents[2]
-MADE_WITH = {"device": "cpu", "dtype": "bfloat16", "threads": 2, "torch": "2.13.0", "mujoco": "3.17.0"}
+PROVENANCE = {"device": "cpu", "dtype": "bfloat16", "threads": 2, "torch": "2.13.0", "mujoco": "3.17.0"}
 NO_OP, BLIND, EXPERT = -10.83, -6.59, -2.37  # returns, m
 UNIT, TOLERANCE, FIRST, MOST = EXPERT - BLIND, 0.05, 3, 20
 CHEAP = ("projected motion, weakest direction (px/m)", "linear probe of tip - target (m)")
@@ -66,7 +66,7 @@ def ranking(
         **judges(scene, views, networks),
         "claims": claims(scene, networks),
         "baselines": [_baseline(place, name, order) for place, name in enumerate(CHEAP)],
-        "made_with": MADE_WITH,
+        "provenance": PROVENANCE,
     }
 
 

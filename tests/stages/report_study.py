@@ -18,9 +18,9 @@ from tests.stages.report_rankings import (
     BLIND,
     EXPERT,
     FIRST,
-    MADE_WITH,
     MOST,
     NO_OP,
+    PROVENANCE,
     Angles,
     alignment,
     ranking,
@@ -126,7 +126,7 @@ def _write_anchors(folder: Path, scene: str) -> None:
     }
     write_json(
         folder / f"reports/anchors/{scene}.json",
-        {"scene": scene, **means, "repeats": [], "made_with": MADE_WITH},
+        {"scene": scene, **means, "repeats": [], "provenance": PROVENANCE},
     )
 
 
@@ -144,7 +144,7 @@ def _write_branch(
         {**head, "return_mean": float(np.mean(returns)), "final_distance_m_mean": 0.02 + 0.021 * place,
          "within_2cm_share_mean": 0.71 - 0.1 * place, "within_5cm_share_mean": 0.97 - 0.1 * place,
          "repeats": [{"repeat": r, "return": value} for r, value in enumerate(returns)],
-         "made_with": MADE_WITH},
+         "provenance": PROVENANCE},
     )  # fmt: skip
     vae = {f"{name}_mean": float(rng.uniform(0.004, 0.06)) for name in PROBES}
     vae |= {f"guess_{what}_m_mean": float(rng.uniform(0.1, 0.3)) for what in THINGS}

@@ -1,4 +1,4 @@
-"""What each table of the page should hold, written from the twins beside it, cell by cell."""
+"""What each table of the page should hold, written from the exports beside it, cell by cell."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from stable_baselines3 import DQN
 from pipeline import dqn
 from pipeline.contract import memory
 from pipeline.contract.errors import BelvedereError
-from pipeline.qlearning import judge
+from pipeline.qlearning import training
 from pipeline.qlearning.params import dqn_params
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -69,7 +69,7 @@ def test_twice_the_same_bytes_and_more_repeats_train_only_the_added(
     dqn.main(**VIEW, **OUTS)
     assert written() == once
     calls = []
-    fit = judge.fit
+    fit = training.fit
     monkeypatch.setattr(dqn, "fit", lambda *arguments: calls.append(1) or fit(*arguments))
     write_params(workplace, repeats=2)
     dqn.main(**VIEW, **OUTS)
@@ -154,7 +154,7 @@ def test_what_is_said_to_fit_fits_and_no_more(workplace: Path, monkeypatch: pyte
 
     def asked(transitions: int) -> None:
         write_params(workplace, repeats=3, changed={"frames": transitions, "memory": transitions})
-        judge.require_memory(*dqn_params("panda_1dof"), 2)
+        training.require_memory(*dqn_params("panda_1dof"), 2)
 
     with pytest.raises(BelvedereError) as told:
         asked(1600)

@@ -35,7 +35,7 @@ def test_evaluation_and_anchors_judge_by_the_same_episodes(workplace: Path) -> N
     assert (metrics["scene"], metrics["theta_deg"], metrics["phi_deg"]) == tuple(VIEW.values())
     assert metrics["return_mean"] == pytest.approx(rows["return"].mean())
     assert [one["repeat"] for one in metrics["repeats"]] == [0, 1]
-    assert {"device", "dtype", "torch", "mujoco", "mujoco_warp"} <= set(metrics["made_with"])
+    assert {"device", "dtype", "torch", "mujoco", "mujoco_warp"} <= set(metrics["provenance"])
     with Image.open(workplace / "clip.webp") as clip:
         assert clip.width == 2 * clip.height
 

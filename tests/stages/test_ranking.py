@@ -17,7 +17,7 @@ from pipeline import ranking
 from pipeline.contract.errors import BelvedereError
 from pipeline.stats.baselines import BASELINES
 
-MADE_WITH = {
+PROVENANCE = {
     "device": "cpu", "dtype": "bfloat16", "threads": 2, "python": "3.11.7", "torch": "2.13.0",
     "mujoco": "3.17.0", "mujoco_warp": "3.17.0", "machine": "x86_64",
 }  # fmt: skip
@@ -52,7 +52,7 @@ class Written:
         self.params["viewpoints"]["other-a"] = {"scene": "other", "theta": 0, "phi": 0}
         self.write_params()
         rows = [{"repeat": r, "no_op": -9.0, "blind": -6.0 - r, "expert": -1.0} for r in range(3)]
-        self.write("anchors.json", {"scene": "reach", "repeats": rows, "made_with": MADE_WITH})
+        self.write("anchors.json", {"scene": "reach", "repeats": rows, "provenance": PROVENANCE})
 
     def branch(self, key: str, returns: tuple[float, ...], theta: float, phi: float) -> None:
         place = {"scene": "reach", "theta": theta, "phi": phi}
@@ -61,7 +61,7 @@ class Written:
         )
         repeats = [{"repeat": r, "return": value} for r, value in enumerate(returns)]
         view = {"scene": "reach", "theta_deg": float(theta), "phi_deg": float(phi)}
-        self.write(f"branches/{key}/evaluation.json", {**view, "repeats": repeats, "made_with": MADE_WITH})
+        self.write(f"branches/{key}/evaluation.json", {**view, "repeats": repeats, "provenance": PROVENANCE})
         for stage in ("geometry", "vae"):
             numbers = {b.entry: abs(theta - phi) + 1.0 for b in BASELINES if b.stage == stage}
             probes = [{"repeat": r, **PROBES} for r in range(len(returns))]
@@ -230,35 +230,37 @@ def test_parameters_without_a_meaning_are_refused(
 def test_branches_made_differently_are_refused_unless_allowed(
     written: Written, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    written.edit("branches/study/evaluation.json", lambda content: content["made_with"].update({name: "new"}))
+    written.edit(
+        "branches/study/evaluation.json", lambda content: content["provenance"].update({name: "new"})
+    )
     with pytest.raises(
         BelvedereError, match=rf"made differently: {name} is 'new' for study.*BELVEDERE_MIX"
     ) as refused:
         written.rank()
-    choice = f"BELVEDERE_{name.upper()}={MADE_WITH[name]} " if name in ("device", "dtype") else ""
+    choice = f"BELVEDERE_{name.upper()}={PROVENANCE[name]} " if name in ("device", "dtype") else ""
     assert f"(`{choice}dvc repro`)" in str(refused.value)
     assert not Path("out").exists()
     monkeypatch.setenv(ranking.MIX_VARIABLE, "allow")
-    assert written.rank()["made_with"][name] == f"{MADE_WITH[name]} | new"
+    assert written.rank()["provenance"][name] == f"{PROVENANCE[name]} | new"
     monkeypatch.setenv(ranking.MIX_VARIABLE, "yes")
     with pytest.raises(BelvedereError, match="'yes' is unknown; available: allow"):
         written.rank()
 
 
 def test_unlike_gpus_are_refused(written: Written) -> None:
-    written.edit("branches/study/evaluation.json", lambda content: content["made_with"].update(gpu="H100"))
+    written.edit("branches/study/evaluation.json", lambda content: content["provenance"].update(gpu="H100"))
     with pytest.raises(BelvedereError, match="gpu is 'H100' for study but None for reach-a"):
         written.rank()
 
 
 def test_threads_and_machine_may_differ(written: Written) -> None:
     elsewhere = {"threads": 64, "machine": "aarch64", "python": "3.12.1"}
-    written.edit("branches/study/evaluation.json", lambda content: content["made_with"].update(elsewhere))
+    written.edit("branches/study/evaluation.json", lambda content: content["provenance"].update(elsewhere))
     assert written.rank()["answer"]["kind"] == "alone"
 
 
 def test_anchors_of_another_physics_are_refused(written: Written) -> None:
-    written.edit("anchors.json", lambda content: content["made_with"].update(device="gpu", mujoco="4.0.0"))
+    written.edit("anchors.json", lambda content: content["provenance"].update(device="gpu", mujoco="4.0.0"))
     with pytest.raises(BelvedereError, match=r"mujoco is '4\.0\.0' for anchors"):
         written.rank()
 
@@ -281,7 +283,7 @@ BAD: dict[str, tuple[str, Callable[[dict[str, Any]], object], str]] = {
     "no return": (STUDY, lambda c: c["repeats"][1].pop("return"), "lack a number"),
     "NaN": (STUDY, lambda c: c["repeats"][1].update({"return": float("nan")}), "not finite"),
     "another view": (STUDY, lambda c: c.update(phi_deg=30.0), r"evaluation\.json cannot be used.*30\.0"),
-    "no provenance": (STUDY, lambda c: c.pop("made_with"), "made with"),
+    "no provenance": (STUDY, lambda c: c.pop("provenance"), "made with"),
     "another scene": ("anchors.json", lambda c: c.update(scene="other"), "of scene 'other', not 'reach'"),
     "expert blind": ("anchors.json", lambda c: c["repeats"][2].update(expert=-8.0), "in repeat 2 the expert"),
 }

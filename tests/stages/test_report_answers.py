@@ -75,13 +75,13 @@ def test_either_of_two_shows_both(page: Callable[[Change], str]) -> None:
 def test_what_the_code_misses_is_named_view_by_view(page: Callable[[Change], str]) -> None:
     said = card(page(lambda content: content["viewpoints"][f"{SCENE}-f"].update(misses=["tip"])))
     errs = "a probe errs by 11.3 cm, guessing by 18.7 cm."
-    assert f"e cannot be judged: the code misses tip and target; {errs}" in said
-    assert f"f cannot be judged: the code misses tip; {errs}" in said
+    assert f"e cannot be judged: the latent misses tip and target; {errs}" in said
+    assert f"f cannot be judged: the latent misses tip; {errs}" in said
 
 
 def test_a_scene_in_which_no_judge_sees_has_no_race(page: Callable[[Change], str]) -> None:
     nothing = {"open": False, "common": 0, "active": [], "out": {}, "leader": None, "lead_low": None}
-    sentence = "This judge cannot see here: no code holds tip and target."
+    sentence = "This judge cannot see here: no latent holds tip and target."
 
     def change(content: dict[str, Any]) -> None:
         content["answer"] |= {"kind": "cannot see", "keys": [], "within": None, "sentence": sentence}
@@ -93,7 +93,7 @@ def test_a_scene_in_which_no_judge_sees_has_no_race(page: Callable[[Change], str
 
     html = page(change)
     assert card(html).startswith(f"{SCENE} {sentence} No race was run, 21 trainings spent")
-    assert card(html).count("the code misses tip - target") == 6
+    assert card(html).count("the latent misses tip - target") == 6
     assert "Score behind the leader" not in html and "The race: " not in html
     assert {row[3] for row in rows(html, f"Ranking of {SCENE}")} == {"✕ cannot see".removeprefix("✕ ")}
 
@@ -121,6 +121,6 @@ def test_the_start_is_told_as_it_is(page: Callable[[Change], str]) -> None:
 
 def test_words_of_the_former_question_are_gone(page: Callable[[Change], str]) -> None:
     html = page(lambda content: None)
-    twins = "".join(path.read_text(encoding="utf-8") for path in sorted(Path("reports/tables").iterdir()))
+    exports = "".join(path.read_text(encoding="utf-8") for path in sorted(Path("reports/tables").iterdir()))
     for word in ("separated", "P(best)", "best_chance", "more repeats", "Hedges", "hedges", "Welch", "welch"):
-        assert word not in html and word not in twins
+        assert word not in html and word not in exports

@@ -27,7 +27,7 @@ def results(scores: list[np.ndarray], unseen: str = "") -> Results:
         returns={key: 10 * np.asarray(own) - 10 for key, own in zip(keys, scores, strict=True)},
         sight={key: Sight(0.1, 0.2, ["tip"] if key[-1] in unseen else []) for key in keys},
         anchors={"no_op": np.full(3, -12.0), "blind": np.full(3, -10.0), "expert": np.zeros(3)},
-        made_with={key: {} for key in keys},
+        provenance={key: {} for key in keys},
     )
 
 
