@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warp as wp
 from mujoco import mjtGeom
-from mujoco_warp._src import ray  # its primitives, which mujoco_warp does not export
+from mujoco_warp._src import ray  # private; tests/rendering/test_renderer.py watches it
 
 SIDE = 4  # of a packet, samples
 LANES = SIDE * SIDE

@@ -93,7 +93,7 @@ class OfView(Table):
 
 
 class Vae(OfView):
-    """What a branch's first network saw and lost, ``vae.json``; errors of probes and guesses in metres."""
+    """How well a branch's VAE encodes its pictures, ``vae.json``; errors of probes and guesses in metres."""
 
     reconstruction_error_mean: float
     kl_nats_mean: float

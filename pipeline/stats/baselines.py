@@ -1,4 +1,4 @@
-"""Does a cheap look order the views as the world model does?
+"""Do baselines without training order the views as the world model does?
 
 Each baseline is a number per view that costs seconds; its order is held against that of the world
 model's mean returns by Kendall's τ-b (M. G. Kendall, Biometrika 33 (1945) 239-251). Of two views there
