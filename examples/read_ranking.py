@@ -8,6 +8,5 @@ ranking = json.loads(Path(f"reports/rankings/{sys.argv[1]}.json").read_text(enco
 print(ranking["answer"]["sentence"])
 for key, view in ranking["viewpoints"].items():
     score = "no score" if view["score_mean"] is None else f"score {view['score_mean']:.2f}"
-    print(
-        f"{key}: θ {view['theta_deg']:g}°, φ {view['phi_deg']:g}°, {score}, {view['repeats']} repeats, {view['state']}"
-    )
+    angles = f"θ {view['theta_deg']:g}°, φ {view['phi_deg']:g}°"
+    print(f"{key}: {angles}, {score}, {view['repeats']} repeats, {view['state']}")
