@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.contract import params
-from pipeline.contract.artefacts import read_json
-
-RANKINGS = Path("reports/rankings")
+from runner.rankings import read_ranking
 
 
 def announcement(scenes: Sequence[str]) -> str:
@@ -20,13 +18,11 @@ def announcement(scenes: Sequence[str]) -> str:
     return (
         f"Comparing {count} viewpoints in {len(asked)} scene(s) at budget {budget!r}: "
         f"{params.value('budgets', budget, 'about')}\n"
-        "What is done already is not done again, and a run that was stopped goes on where it was.\n"
+        "Only what changed is computed, and a run that was stopped continues.\n"
     )
 
 
 def answers() -> str:
     """Each scene's answer, and where the report lies."""
-    found = {scene: RANKINGS / f"{scene}.json" for scene in params.value("scenes")}
-    told = {s: read_json(path, f"ranking@{s}")["answer"]["sentence"] for s, path in found.items()}
-    lines = [f"{scene}: {sentence}" for scene, sentence in told.items()]
+    lines = [f"{scene}: {read_ranking(scene).answer.sentence}" for scene in params.value("scenes")]
     return "\n".join(["", *lines, "", f"Report: {Path('reports/index.html').resolve()}"])

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from pipeline.contract import params
 from pipeline.contract.allocation import (
@@ -15,12 +14,10 @@ from pipeline.contract.allocation import (
     read_allocation,
     write_allocation,
 )
-from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import named_viewpoints
 from runner.plan import Job, Pipeline, jobs
-
-RANKINGS = Path("reports/rankings")
+from runner.rankings import read_ranking
 
 
 def allocate() -> Allocation:
@@ -101,20 +98,20 @@ class Race:
 
     def next_round(self, scene: str) -> list[Job]:
         """Says how the scene's race stands; gives the viewpoints in it more repeats if it is open."""
-        ranking = read_json(RANKINGS / f"{scene}.json", f"ranking@{scene}")
-        race = ranking["race"]
-        if not race["open"]:
-            print(f"{scene}: {ranking['answer']['sentence']}", flush=True)
+        ranking = read_ranking(scene)
+        race = ranking.race
+        if not race.open:
+            print(f"{scene}: {ranking.answer.sentence}", flush=True)
             return []
-        print(ranking["answer"]["progress"], flush=True)
-        active = set(race["active"])
+        print(ranking.answer.progress, flush=True)
+        active = set(race.active)
         # starting a viewpoint's stages costs less than a training that the race does not need
-        step = max(1, self.cores // len(active))
-        given = grown(self.allocation, scene, active, min(ranking["most"], race["common"] + step))
+        step = max(1, self.cores // max(1, len(active)))
+        given = grown(self.allocation, scene, active, min(ranking.most, race.common + step))
         if given == self.allocation:
             raise BelvedereError(
-                f"the race of {scene} is open, but {', '.join(sorted(active))} have all repeats that "
-                f"{ALLOCATION_FILE} can give them; run `dvc repro ranking@{scene}`."
+                f"the race of {scene} is open, but {', '.join(sorted(active)) or 'no view'} has every repeat "
+                f"that {ALLOCATION_FILE} can give; run `dvc repro ranking@{scene}`."
             )
         write_allocation(given)
         self.allocation = given

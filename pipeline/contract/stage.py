@@ -98,11 +98,17 @@ def parser(main: Callable[..., None]) -> argparse.ArgumentParser:
 
 
 def _record_seconds(seconds: float) -> None:
-    """Keeps what a stage took, for the report; in the scratch store, since outputs must not vary."""
+    """Keeps what a stage took, for the report; in the scratch store, since outputs must not vary.
+
+    A stage that is done does not fail for want of this record, which the report can do without.
+    """
     stage = os.environ.get(STAGE_VARIABLE)
     if stage:
         record = {"stage": stage, "seconds": round(seconds, 1), "machine": processor(), "cores": cores()}
-        write_json(scratch.root() / "seconds" / f"{stage}.json", record)
+        try:
+            write_json(scratch.root() / "seconds" / f"{stage}.json", record)
+        except (BelvedereError, OSError) as error:
+            print(f"warning: the seconds of {stage} are not recorded: {error}", file=sys.stderr)
 
 
 def _line_buffer() -> None:

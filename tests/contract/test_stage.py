@@ -92,3 +92,13 @@ def test_an_interrupt_ends_with_the_shells_status() -> None:
 def test_an_empty_list_of_names_is_told() -> None:
     assert "available: none" in str(unknown("scene", "x", []))
     assert isinstance(unknown("scene", "x", []), BelvedereError)
+
+
+def test_a_stage_that_is_done_does_not_fail_where_its_seconds_cannot_be_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "seconds").write_text("a file where the records' folder would be")
+    monkeypatch.setenv("BELVEDERE_SCRATCH", str(tmp_path))
+    monkeypatch.setenv("DVC_STAGE", "frames@study")
+    entry(stage, ["--scene", "s", "--theta", "0", "--out", "o"])
+    assert "warning: the seconds of frames@study are not recorded" in capsys.readouterr().err

@@ -30,7 +30,9 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_it_ends_with_an_answer_per_scene_and_the_page(place: Path) -> None:
     for scene in SCENES:
-        content = {"answer": {"sentence": f"Put the camera of {scene} there."}}
+        answer = {"sentence": f"Put the camera of {scene} there.", "progress": ""}
+        race = {"open": False, "common": 3, "active": []}
+        content = {"answer": answer, "race": race, "most": 20}
         write_json(place / f"reports/rankings/{scene}.json", content)
     assert answers().split("\n") == [
         "",

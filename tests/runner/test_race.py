@@ -165,3 +165,13 @@ def test_branches_come_and_go() -> None:
     write_params(viewpoints={"near-a": VIEWS["near-a"], "near-z": {"scene": "near", "theta": 10, "phi": 2.5}})
     allocate()
     assert set(repeats()) == {"study", "near-a", "near-z"}
+
+
+@pytest.mark.parametrize("part", ["answer", "race", "most"])
+def test_a_ranking_that_lacks_a_part_is_told_with_its_remedy(part: str) -> None:
+    rank("near", open_=False)
+    path = Path("reports/rankings/near.json")
+    path.write_text(json.dumps({k: v for k, v in json.loads(path.read_text()).items() if k != part}))
+    race = Race(pipeline(), BRANCHES, ["near"], 2, allocate())
+    with pytest.raises(BelvedereError, match=rf"near\.json: {part} is not valid .*`dvc repro ranking@near`"):
+        race.next_round("near")
