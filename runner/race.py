@@ -110,7 +110,7 @@ class Race:
         given = grown(self.allocation, scene, active, min(ranking.most, race.common + step))
         if given == self.allocation:
             raise BelvedereError(
-                f"the race of {scene} is open, but {', '.join(sorted(active)) or 'no view'} has every repeat "
+                f"the race of {scene} is open, but {', '.join(sorted(active)) or 'none'} have all repeats "
                 f"that {ALLOCATION_FILE} can give; run `dvc repro ranking@{scene}`."
             )
         write_allocation(given)
