@@ -12,6 +12,7 @@ from pipeline.contract.tables import read_model
 from pipeline.reporting import exports
 from pipeline.reporting.page import Made, Reference, render
 from pipeline.reporting.provenance import revision
+from pipeline.reporting.record import read_record
 from pipeline.reporting.results import read_coverage, read_results
 from pipeline.reporting.tables import Alignment
 from pipeline.reporting.tried import of_these_parameters, read_tried, tried_scenes
@@ -25,6 +26,7 @@ def main(
     alignment: Path,
     coverage: Path,
     tried: Path,
+    record: Path,
     pictures: Path,
     out: Path,
     tables: Path,
@@ -38,13 +40,15 @@ def main(
         alignment: the rankings held against people.
         coverage: how often simulated races ended with a false statement.
         tried: viewpoints that experiments tried, one row per repeat.
+        record: folder of a run whose controllers were searched for from zero.
         pictures: folder of the branches' pictures; those that are absent are named on the page.
         out: the HTML file.
         tables: folder of the page's tables as CSV and JSON.
     """
     scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
     found = tried_scenes(of_these_parameters(read_tried(tried), tried), scenes)
-    reference = Reference(read_model(Alignment, alignment, "alignment"), read_coverage(coverage), found)
+    people = read_model(Alignment, alignment, "alignment")
+    reference = Reference(people, read_coverage(coverage), found, read_record(record))
     start = str(params.value("controller", "first"))
     made = Made(revision(), _parameters(), _random_frames(), start)
     page = render(scenes, missing, reference, pictures, made)

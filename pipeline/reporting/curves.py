@@ -26,7 +26,7 @@ Level = tuple[float, str, tuple[int, tuple[int, ...]]]  # return (m), name, dash
 
 
 @matplotlib.rc_context(RC)
-def curve_plots(scene: SceneResults, bands: Mapping[str, pl.DataFrame]) -> dict[str, str]:
+def curve_plots(scene: SceneResults, bands: Mapping[str, pl.DataFrame], prefix: str = "") -> dict[str, str]:
     """One learning curve per view at which there was a search, all on the same axes' limits.
 
     Each shows its own curve solid with its band, its start as a ring with a level line, and, to compare,
@@ -35,6 +35,7 @@ def curve_plots(scene: SceneResults, bands: Mapping[str, pl.DataFrame]) -> dict[
     Args:
         scene: the scene.
         bands: by key, what :func:`pipeline.reporting.bands.band` returns.
+        prefix: of the plots' identifiers on the page.
     """
     if not bands:
         return {}
@@ -54,7 +55,7 @@ def curve_plots(scene: SceneResults, bands: Mapping[str, pl.DataFrame]) -> dict[
             own["frames"][:1], own["mean"][:1], "o", markersize=9, markeredgewidth=2,
             color=COLOURS["best"], markerfacecolor=COLOURS["paper"], zorder=5,
         )  # fmt: skip
-        plots[view.key] = inline(figure, f"curve-{view.key}", _alt(view, own))
+        plots[view.key] = inline(figure, f"{prefix}curve-{view.key}", _alt(view, own))
     return plots
 
 

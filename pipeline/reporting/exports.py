@@ -37,6 +37,8 @@ def tables(scenes: Sequence[SceneResults], reference: Reference) -> dict[str, li
         "people": [trial.model_dump() for trial in reference.people.trials],
         "tried": [_tried(row) for scene in reference.tried for row in scene.rows],
         "agreements": [agreement.model_dump() for agreement in reference.people.agreements],
+        "learning_from_zero": [row for scene in reference.record.scenes for row in _learning(scene)],
+        "claims_from_zero": [c.model_dump() for s in reference.record.scenes for c in s.ranking.claims],
         "coverage": [row.model_dump() for row in reference.coverage],
     }
     return {name: rows for name, rows in found.items() if rows}

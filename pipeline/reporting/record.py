@@ -1,0 +1,60 @@
+"""A run kept in git beside the results: controllers searched for from zero, as the paper does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.contract.errors import BelvedereError
+from pipeline.contract.tables import read_model
+from pipeline.reporting.learning import Learned, learned, scene_bands
+from pipeline.reporting.results import SceneResults, read_results
+from pipeline.reporting.tables import Table
+
+ABOUT = "about.json"
+
+
+class About(Table):
+    """How the record was made, ``about.json``.
+
+    Attributes:
+        scenes: in the page's order.
+        changes: of params.yaml, as DVC's ``-S`` has them.
+        commit: of the code.
+        date: when it ended.
+        hours: of both cores, all stages counted.
+    """
+
+    scenes: list[str]
+    changes: list[str]
+    commit: str
+    date: str
+    hours: float
+
+
+@dataclass(frozen=True)
+class Record:
+    """The record's scenes, and what is said of how they were made."""
+
+    about: About
+    scenes: list[SceneResults]
+
+    @property
+    def learned(self) -> dict[str, list[Learned]]:
+        """By scene, what its views' controllers learned."""
+        return {scene.name: learned(scene_bands(scene)) for scene in self.scenes}
+
+
+def read_record(folder: Path) -> Record:
+    """Reads the record.
+
+    Raises:
+        BelvedereError: a table is missing, foreign or incomplete.
+    """
+    rankings, branches, anchors = (folder / name for name in ("rankings", "branches", "anchors"))
+    try:
+        about = read_model(About, folder / ABOUT, "report")
+        return Record(about, read_results(about.scenes, rankings, branches, anchors)[0])
+    except BelvedereError as error:  # whose remedy is a stage, and no stage makes the record
+        fault = str(error).partition(";")[0]
+        raise BelvedereError(f"{fault}; `git checkout {folder}` brings it back.") from None
