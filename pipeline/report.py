@@ -68,8 +68,10 @@ def _parameters() -> dict[str, object]:
 
 def _random_frames() -> dict[str, int]:
     """By scene, the frames of a repeat's random episodes."""
-    episodes = params.value("budgets")[params.value("budget")]["rollouts"]["episodes"]
-    return {name: episodes * scene["frames"] for name, scene in params.value("scenes").items()}
+    sizes = params.value("budgets", params.budget(), "rollouts")
+    named = sizes.get("scenes", {})
+    scenes = params.value("scenes")
+    return {s: (sizes | named.get(s, {}))["episodes"] * scenes[s]["frames"] for s in scenes}
 
 
 if __name__ == "__main__":

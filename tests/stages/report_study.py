@@ -89,7 +89,8 @@ def align(folder: Path) -> None:
 
 
 def _write_params(folder: Path, scenes: Mapping[str, Angles]) -> None:
-    sizes = {"race": {"first": FIRST, "most": MOST}, "rollouts": {"episodes": 20}, "vae": {"epochs": 20}}
+    episodes = {"episodes": 30, "scenes": {"fetch_reach": {"episodes": 20}}}
+    sizes = {"race": {"first": FIRST, "most": MOST}, "rollouts": episodes, "vae": {"epochs": 20}}
     tree = {
         "budget": "quick",
         "seed": 1,
