@@ -68,7 +68,7 @@ def train_repeat(scene: Scene, view: Viewpoint, method: DqnParams, sizes: DqnSiz
 
     decides: dict[str, Any] = {"code": code_digest("dqn"), "seed": seed, "evaluated": count}
     decides |= {"method": method.model_dump(), "sizes": sizes.model_dump(exclude={"repeats"})}
-    decides |= {"machine": place.facts(), "scene": scene.params.model_dump(), "view": view.model_dump()}
+    decides |= {"machine": place.facts(), "scene": scene.decides, "view": view.model_dump()}
     return finished("dqn", repeat, make, **decides)
 
 

@@ -67,7 +67,7 @@ class Studio:
                 zarrs.write(results / REPEAT, zarrs.FRAMES, arrays, facts)
 
         decides: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "facts": facts}
-        decides |= {"code": code_digest("frames"), "scene": self._scene.params.model_dump()}
+        decides |= {"code": code_digest("frames"), "scene": self._scene.decides}
         return finished("frames", repeat, make, **decides)
 
 

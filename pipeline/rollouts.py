@@ -50,7 +50,7 @@ def draw_repeat(scene: Scene, repeat: int) -> Path:
 
     decides: dict[str, Any] = {"code": code_digest("rollouts"), "seed": seed, "facts": facts}
     decides |= {
-        "scene": scene.params.model_dump(),
+        "scene": scene.decides,
         "sizes": sizes.model_dump(),
         "process": process.model_dump(),
     }

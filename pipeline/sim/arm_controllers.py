@@ -23,7 +23,7 @@ from pipeline.sim.wheel_robots import UPRIGHT
 DAMPING = 1e-3  # of the least squares, keeps joint steps finite near singular postures
 NEWTON_STEPS = 2  # per frame; a displacement of 0.05 m is solved to well below 1 mm
 _SETUP_STEPS = 100
-_TOLERANCE_M = 1e-3
+TOLERANCE_M = 1e-3
 
 
 Fields = dict[str, np.ndarray]  # MjData fields to be written, each with a leading axis over worlds
@@ -88,11 +88,7 @@ class JointController:
         self._controls = np.tile(held_controls(model, scene.robot), (count, 1))
 
     def reset(self, start_m: np.ndarray, target_m: np.ndarray) -> Fields:
-        self._qpos[:] = self._home_qpos
-        for _ in range(_SETUP_STEPS):
-            if not self._newton(start_m, enough_m=_TOLERANCE_M / 10).any():
-                break
-        self._refuse_unreached(start_m)
+        self._refuse_unreached(start_m, self.solve(start_m))
         mocap = np.zeros((self._count, self._scene.model.nmocap, 3))
         mocap[:, self._scene.target_mocap] = target_m
         rest = np.zeros((self._count, self._scene.model.nv))
@@ -130,10 +126,17 @@ class JointController:
         self._qpos[:, self._coordinates] = np.clip(moved, self._low, self._high)
         return off
 
-    def _refuse_unreached(self, start_m: np.ndarray) -> None:
+    def solve(self, tip_m: np.ndarray) -> np.ndarray:
+        """Turns the joints, from home, until tips are at places (n, 3), m; returns what is left (n,), m."""
+        self._qpos[:] = self._home_qpos
+        for _ in range(_SETUP_STEPS):
+            if not self._newton(tip_m, enough_m=TOLERANCE_M / 10).any():
+                break
         self._ik_state.forward(stage=mujoco.mjtStage.mjSTAGE_POS)
-        missed = np.linalg.norm(self._places[:, self._scene.tip_site] - start_m, axis=1)
-        if missed.max() > _TOLERANCE_M:
+        return np.asarray(np.linalg.norm(self._places[:, self._scene.tip_site] - tip_m, axis=1))
+
+    def _refuse_unreached(self, start_m: np.ndarray, missed: np.ndarray) -> None:
+        if missed.max() > TOLERANCE_M:
             point = np.round(start_m[int(missed.argmax())], 3).tolist()
             raise BelvedereError(
                 f"scene {self._scene.name}: the robot cannot bring its tip to {point} m (it stays "
@@ -158,7 +161,7 @@ class MocapController:
     def reset(self, start_m: np.ndarray, target_m: np.ndarray) -> Fields:
         home_tip = self._settled.site_xpos[self._scene.tip_site]
         missed = np.linalg.norm(start_m - home_tip, axis=1).max()
-        if missed > 5 * _TOLERANCE_M:
+        if missed > 5 * TOLERANCE_M:
             raise BelvedereError(
                 f"scene {self._scene.name}: episodes start {missed:.3f} m from the robot's own start "
                 f"{np.round(home_tip, 4).tolist()} m; set scenes.{self._scene.name}.start to it."

@@ -19,6 +19,11 @@ from pipeline.sim.robot_params import RobotParams, Tip
 from pipeline.sim.urdf import urdf_text
 
 PREFIX = "robot/"
+_SIZES = ("actuator", "body", "cam", "geom", "jnt", "sensor", "site", "tendon")
+_SETTINGS = (
+    *("option", "visual", "stat", "memory", "nconmax", "njmax", "nstack"),
+    *(f"nuser_{kind}" for kind in _SIZES),
+)
 _POSE = 6  # numbers that make a pose: an arm of fewer joints cannot keep one
 
 
@@ -115,13 +120,13 @@ def _arm(name: str, file: Path, body: mujoco.MjsBody, declared: RobotParams) -> 
     arm = [joint.name for carrier in chain(body) for joint in carrier.joints]
     if not arm:
         raise BelvedereError(
-            f"robot {name}: no joint of {file.name} carries the tip, which is fixed to body {body.name}; name "
-            "a site or body beyond the last joint."
+            f"robot {name}: no joint of {file.name} carries the tip, which is fixed to body {body.name}; "
+            "name a site or body beyond the last joint."
         )
     if len(arm) < _POSE and declared.drive.keeps == "pose":
         raise BelvedereError(
-            f"robot {name}: {len(arm)} joints of {file.name} carry the tip ({', '.join(arm)}), and a pose takes "
-            f"{_POSE} to keep; free the tip's orientation by robots.{name}.drive.keeps: place."
+            f"robot {name}: {len(arm)} joints of {file.name} carry the tip ({', '.join(arm)}), and a pose "
+            f"takes {_POSE} to keep; free the tip's orientation by robots.{name}.drive.keeps: place."
         )
     return arm
 
@@ -142,6 +147,8 @@ def _far_links(body: mujoco.MjsBody, arm: list[str]) -> set[str]:
 def _attach(spec: mujoco.MjSpec, declared: RobotParams) -> mujoco.MjSpec:
     whole = mujoco.MjSpec()
     whole.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    for setting in _SETTINGS:  # the scene's count; MuJoCo would warn of each that differs
+        setattr(spec, setting, getattr(whole, setting))
     half = math.radians(declared.base.turn_deg) / 2
     turned = [math.cos(half), 0.0, 0.0, math.sin(half)]
     frame = whole.worldbody.add_frame(pos=declared.base.position_m, quat=turned)

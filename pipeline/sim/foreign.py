@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from pipeline.contract.errors import BelvedereError, unknown
-from pipeline.sim.robot import HIDDEN_GROUP
+from pipeline.sim.robot import HIDDEN_GROUP, Robot
 
 DRAWN_GROUP = 0  # the target stands alone in group 1, where many files have their visuals
 _LAST_DRAWN = 2  # MuJoCo itself draws geoms of groups 0 to 2
@@ -56,12 +57,16 @@ def cleaned(name: str, file: Path, spec: mujoco.MjSpec, remove: Sequence[str]) -
 
 def _refuse_what_floats(name: str, file: Path, spec: mujoco.MjSpec) -> None:
     for body in spec.bodies[1:]:
-        odd = [mujoco.mjtJoint(j.type).name.removeprefix("mjJNT_").lower() for j in body.joints if j.type not in _MOVES]
+        odd = [
+            mujoco.mjtJoint(j.type).name.removeprefix("mjJNT_").lower()
+            for j in body.joints
+            if j.type not in _MOVES
+        ]
         if body.mocap or odd:
             what = "is a mocap body" if body.mocap else f"has a {odd[0]} joint"
             raise BelvedereError(
-                f"robot {name}: body {body.name} of {file.name} {what}, which no arm has; if it is no part of "
-                f"the robot, name it in robots.{name}.remove: [{body.name}]."
+                f"robot {name}: body {body.name} of {file.name} {what}, which no arm has; if it is no part "
+                f"of the robot, name it in robots.{name}.remove: [{body.name}]."
             )
 
 
@@ -73,3 +78,17 @@ def _choose_visible(body: mujoco.MjsBody) -> None:
         geom.group = HIDDEN_GROUP
     for geom in visual or touching:
         geom.group = DRAWN_GROUP
+
+
+def refuse_textures(model: mujoco.MjModel, robot: Robot) -> None:
+    """Raises a :class:`BelvedereError` if a drawn geom's material has a texture: none is drawn."""
+    for geom in np.flatnonzero((model.geom_group <= _LAST_DRAWN) & (model.geom_matid >= 0)):
+        material = model.geom_matid[geom]
+        if (model.mat_texid[material] >= 0).any():
+            names = model.mat(material).name, model.body(model.geom_bodyid[geom]).name
+            which, body = (name.removeprefix(robot.prefix) for name in names)
+            raise BelvedereError(
+                f"robot {robot.name}: material {which} of {robot.files[0].name} covers a geom of body {body} "
+                "with a texture, which is not drawn; take the attribute texture out of the material, whose rgba "
+                "is drawn then."
+            )

@@ -52,8 +52,8 @@ def _position(name: str, file: Path, joint: mujoco._structs._MjModelJointViews, 
         return 0.0 if low <= 0.0 <= high else float(low + high) / 2
     if not low <= given <= high:
         raise BelvedereError(
-            f"robot {name}: home.{joint.name} = {given:g} lies outside the joint's range [{low:.4g}, {high:.4g}] "
-            f"in {file.name}."
+            f"robot {name}: home.{joint.name} = {given:g} lies outside the joint's range [{low:.4g}, "
+            f"{high:.4g}] in {file.name}."
         )
     return float(given)
 

@@ -69,7 +69,7 @@ def _within(path: Path, folder: Path) -> bool:
 
 
 def require(path: Path, what: str) -> None:
-    """Raises a :class:`BelvedereError` about ``what``, which tells what exists instead, if there is no such file."""
+    """Raises a :class:`BelvedereError` about ``what``, telling what exists instead, if the file is missing."""
     if path.is_file():
         return
     there = path.parent
@@ -81,14 +81,14 @@ def require(path: Path, what: str) -> None:
 
 
 def read_xml(name: str, path: Path) -> ElementTree.Element:
-    """The root element of an XML file; prefixes that are nowhere declared, as in many URDFs, are taken as names.
+    """The root element of an XML file; undeclared prefixes, as in many URDFs, are taken as names.
 
     Raises:
         BelvedereError: it is no XML.
     """
     try:
         text = path.read_bytes()
-        for prefix in set(_PREFIX.findall(text)):
+        for prefix in set(_PREFIX.findall(text)) - {b"xmlns"}:
             if b"xmlns:" + prefix not in text:
                 text = re.sub(rb"(</?|\s)" + prefix + rb":", rb"\1" + prefix + rb"_", text)
         return ElementTree.fromstring(text)

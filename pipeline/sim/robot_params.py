@@ -1,4 +1,4 @@
-"""What params.yaml says of a robot: its file, its tip and how it is moved. Defaults stand here and nowhere else."""
+"""What params.yaml says of a robot: its file, its tip, how it is moved. Defaults stand here only."""
 
 from __future__ import annotations
 
@@ -81,9 +81,9 @@ class RobotParams(Section):
     remove: tuple[Name, ...] = ()
     base: Base = Base()
     tip: Tip
-    home: dict[str, Position] | Name = {}
+    home: dict[str, Position] | Name = Field(default_factory=dict)
     drive: Drive = Drive()
-    hold: dict[str, Position] = {}
+    hold: dict[str, Position] = Field(default_factory=dict)
     gravity: Literal["compensated", "acts"] = "compensated"
 
     @field_validator("home", mode="before")

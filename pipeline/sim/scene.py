@@ -12,6 +12,7 @@ import mujoco
 from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.sim import servos
+from pipeline.sim.foreign import refuse_textures
 from pipeline.sim.params import AXES, Box, SceneParams
 from pipeline.sim.robot import TIP, Robot
 from pipeline.sim.robot_files import digests
@@ -112,6 +113,7 @@ def compile_with(name: str, scene: SceneParams, declared: RobotParams, root: Pat
         raise BelvedereError(
             f"scene {name}: robot {scene.robot!r} does not compile: {' '.join(str(error).split())}."
         ) from None
+    refuse_textures(model, robot)
     servos.tune(model, robot, declared.drive)
     return Scene(name, scene, model, robot, declared)
 

@@ -48,8 +48,8 @@ def prepare(
     """Readies the spec's joints and actuators, and says which are to be made and held.
 
     Raises:
-        BelvedereError: the file's own actuators are wanted, but are no position servos of the arm's joints; or
-            an actuator to be held is unknown.
+        BelvedereError: the file's own actuators are wanted, but are no position servos of the arm's joints;
+            or an actuator to be held is unknown.
     """
     if declared.drive.actuators == "own":
         for joint in arm:
@@ -100,7 +100,7 @@ def _require_position_servo(name: str, file: Path, spec: mujoco.MjSpec, joint: s
 
 
 def _loose(spec: mujoco.MjSpec, arm: set[str]) -> list[str]:
-    """Joints beside the arm's that no actuator, tendon, equality or spring holds, such as a URDF's fingers."""
+    """Joints beside the arm's that no actuator, tendon, equality or spring holds, as a URDF's fingers."""
     if any(e.type != _JOINT_TO_JOINT for e in spec.equalities) or len(spec.tendons):
         return []  # a mechanism, whose joints hang together
     bound = {a.target for a in spec.actuators if a.trntype in _OF_JOINTS}

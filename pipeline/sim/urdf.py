@@ -10,7 +10,7 @@ from pipeline.sim.robot_files import read_xml, require
 
 _PACKAGE = "package://"
 _READ = (".stl", ".obj", ".msh")
-# MuJoCo drops visuals and joins fixed links, such as tool0, unless it is told not to. Paths are absolute here.
+# MuJoCo drops visuals and joins fixed links, such as tool0, unless told not to. Paths are absolute here.
 _COMPILER = {"discardvisual": "false", "fusestatic": "false", "strippath": "false", "meshdir": ""}
 
 
@@ -27,8 +27,8 @@ def urdf_text(name: str, file: Path) -> tuple[str, list[Path]]:
     root = read_xml(name, file)
     if any("xacro" in element.tag for element in root.iter()):
         raise BelvedereError(
-            f"robot {name}: {file.name} is a xacro, of which MuJoCo would make an empty model; expand it first "
-            f"(`xacro {file.name} > expanded.urdf`)."
+            f"robot {name}: {file.name} is a xacro, of which MuJoCo would make an empty model; expand it "
+            f"first (`xacro {file.name} > expanded.urdf`)."
         )
     meshes = []
     for mesh in root.iter("mesh"):
@@ -47,8 +47,8 @@ def _mesh(name: str, file: Path, given: str) -> Path:
     """Where a mesh lies that the URDF names by a path from its own folder, file:// or package://."""
     if Path(given).suffix.lower() not in _READ:
         raise BelvedereError(
-            f"robot {name}: {file.name} names the mesh {given}, which MuJoCo does not read; it takes STL, OBJ "
-            "and MSH: convert the mesh, and name the new file in the URDF."
+            f"robot {name}: {file.name} names the mesh {given}, which MuJoCo does not read; it takes STL, "
+            "OBJ and MSH: convert the mesh, and name the new file in the URDF."
         )
     if not given.startswith(_PACKAGE):
         place = (file.parent / given.removeprefix("file://")).resolve()

@@ -44,16 +44,17 @@ def kitchen_panda(name: str, declared: RobotParams, file: Path) -> tuple[mujoco.
     for geom in spec.geoms:
         if geom.meshname in ("hand_viz", "finger_viz"):
             geom.rgba = _FINGER_RGBA
-    arm = tuple(joint.name for joint in spec.joints if "finger" not in joint.name)
-    for joint in declared.home:
-        found(name, file, "joint below home", joint, [j for j in spec.joints if j.name in arm])
+    joints = tuple(joint.name for joint in spec.joints if "finger" not in joint.name)
+    home = declared.home if isinstance(declared.home, dict) else {}
+    for joint in home:
+        found(name, file, "joint below home", joint, [j for j in spec.joints if j.name in joints])
     _add_tip(name, file, spec, declared)
     robot = Robot(
         name=name,
         control="joints",
-        home={joint: float(declared.home.get(joint, 0.0)) for joint in arm},
+        home={joint: home.get(joint, 0.0) for joint in joints},
         prefix="panda0_",
-        arm=arm,
+        arm=joints,
         touching=frozenset(f"panda0_{body}" for body in _PANDA_TOUCHES),
         files=(file, includes[0], includes[2], *(Path(mesh.file) for mesh in spec.meshes)),
         keeps_pose=declared.drive.keeps == "pose",
@@ -90,7 +91,7 @@ def fetch_reach(name: str, declared: RobotParams, file: Path) -> tuple[mujoco.Mj
 
 
 def _add_tip(name: str, file: Path, spec: mujoco.MjSpec, declared: RobotParams) -> None:
-    body = found(name, file, "body for the tip", declared.tip.body, spec.bodies[1:])
+    body = found(name, file, "body for the tip", declared.tip.body or "", spec.bodies[1:])
     body.add_site(name=TIP, pos=declared.tip.offset_m, group=HIDDEN_GROUP)
 
 
