@@ -88,7 +88,7 @@ def refuse_textures(model: mujoco.MjModel, robot: Robot) -> None:
             names = model.mat(material).name, model.body(model.geom_bodyid[geom]).name
             which, body = (name.removeprefix(robot.prefix) for name in names)
             raise BelvedereError(
-                f"robot {robot.name}: material {which} of {robot.files[0].name} covers a geom of body {body} "
-                "with a texture, which is not drawn; take the attribute texture out of the material, whose rgba "
+                f"robot {robot.name}: material {which} of {robot.files[0].name} covers a geom of body "
+                f"{body} with a texture, which is not drawn; take the attribute texture out of the material, whose rgba "
                 "is drawn then."
             )

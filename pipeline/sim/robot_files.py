@@ -69,7 +69,7 @@ def _within(path: Path, folder: Path) -> bool:
 
 
 def require(path: Path, what: str) -> None:
-    """Raises a :class:`BelvedereError` about ``what``, telling what exists instead, if the file is missing."""
+    """Raises a :class:`BelvedereError` about ``what``, telling what exists instead, if it is missing."""
     if path.is_file():
         return
     there = path.parent

@@ -78,8 +78,13 @@ class Scene:
         return int(self.model.geom(TARGET).id)
 
 
-def load_scene(name: str, path: Path = params.PARAMS_FILE) -> Scene:
+def load_scene(name: str, path: Path = params.PARAMS_FILE, root: Path | None = None) -> Scene:
     """Reads scene ``name`` from params.yaml and compiles it.
+
+    Args:
+        name: of the scene.
+        path: the parameter file.
+        root: the folder that holds ``robots/``, if that is not the parameter file's.
 
     Raises:
         BelvedereError: the scene is unknown or badly described, or its robot's files are missing.
@@ -87,7 +92,8 @@ def load_scene(name: str, path: Path = params.PARAMS_FILE) -> Scene:
     scenes = params.value("scenes", path=path)
     if name not in scenes:
         raise unknown(f"scene (in {path})", name, scenes)
-    return compile_scene(name, params.section(SceneParams, "scenes", name, path=path), path)
+    described = params.section(SceneParams, "scenes", name, path=path)
+    return compile_with(name, described, robot_params(described.robot, path), root or path.parent)
 
 
 def compile_scene(name: str, scene: SceneParams, path: Path = params.PARAMS_FILE) -> Scene:

@@ -25,7 +25,7 @@ def urdf_text(name: str, file: Path) -> tuple[str, list[Path]]:
         BelvedereError: it is an unexpanded xacro, or a mesh is missing or of a kind that MuJoCo cannot read.
     """
     root = read_xml(name, file)
-    if any("xacro" in element.tag for element in root.iter()):
+    if b"<xacro:" in file.read_bytes():
         raise BelvedereError(
             f"robot {name}: {file.name} is a xacro, of which MuJoCo would make an empty model; expand it "
             f"first (`xacro {file.name} > expanded.urdf`)."
