@@ -74,7 +74,7 @@ def evolve_repeats(
 
     common: dict[str, Any] = {"code": code_digest("controller"), "machine": place.facts(), "seed": seed}
     common |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "heldout_share": share}
-    common |= {"scene": scene.params.model_dump(), "view": view.model_dump()}
+    common |= {"scene": scene.cache_key, "view": view.model_dump()}
     inputs = [scratch.digest_files([latents.place(r), *models[r]]) for r in range(len(models))]
     return finished_together("controller", {r: {**common, "inputs": i} for r, i in enumerate(inputs)}, make)
 

@@ -68,7 +68,7 @@ def train_repeat(scene: Scene, view: Viewpoint, method: DqnParams, sizes: DqnSiz
 
     cache_key: dict[str, Any] = {"code": code_digest("dqn"), "seed": seed, "evaluated": count}
     cache_key |= {"method": method.model_dump(), "sizes": sizes.model_dump(exclude={"repeats"})}
-    cache_key |= {"machine": place.facts(), "scene": scene.params.model_dump(), "view": view.model_dump()}
+    cache_key |= {"machine": place.facts(), "scene": scene.cache_key, "view": view.model_dump()}
     return finished("dqn", repeat, make, **cache_key)
 
 

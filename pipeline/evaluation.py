@@ -70,7 +70,7 @@ def evaluate(scene: Scene, view: Viewpoint, place: Compute, models: Sequence[Seq
         try_out(loops, view, flat, episodes, {r: where.results for r, where in places.items()})
 
     common: dict[str, Any] = {"code": code_digest("evaluation"), "machine": place.facts(), "seed": seed}
-    common |= {"scene": scene.params.model_dump(), "view": view.model_dump(), "episodes": count}
+    common |= {"scene": scene.cache_key, "view": view.model_dump(), "episodes": count}
     inputs = [scratch.digest_files(files) for files in models]
     return finished_together("evaluation", {r: {**common, "inputs": i} for r, i in enumerate(inputs)}, make)
 

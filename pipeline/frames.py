@@ -67,7 +67,7 @@ class Studio:
                 zarrs.write(results / REPEAT, zarrs.FRAMES, arrays, facts)
 
         cache_key: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "facts": facts}
-        cache_key |= {"code": code_digest("frames"), "scene": self._scene.params.model_dump()}
+        cache_key |= {"code": code_digest("frames"), "scene": self._scene.cache_key}
         return finished("frames", repeat, make, **cache_key)
 
 

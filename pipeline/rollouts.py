@@ -50,7 +50,7 @@ def draw_repeat(scene: Scene, repeat: int) -> Path:
 
     cache_key: dict[str, Any] = {"code": code_digest("rollouts"), "seed": seed, "facts": facts}
     cache_key |= {
-        "scene": scene.params.model_dump(),
+        "scene": scene.cache_key,
         "sizes": sizes.model_dump(),
         "process": process.model_dump(),
     }

@@ -17,7 +17,7 @@ from mujoco_warp import OverflowType
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.cuda.arm_controllers import Setpoints, device_arm_controller
-from pipeline.rendering.renderer import Renderer
+from pipeline.rendering.renderer import Renderer, warp_model
 from pipeline.sim.arm_controllers import Fields, arm_controller
 from pipeline.sim.draws import Episodes
 from pipeline.sim.scene import Scene
@@ -72,7 +72,7 @@ class DeviceWorlds:
         self._images = Renderer(scene, view, count, device=device)
         self.scene, self.count, self.device = scene, count, wp.get_device(device)
         with wp.ScopedDevice(self.device):
-            self._model = mjw.put_model(scene.model)
+            self._model = warp_model(scene, scene.model)
             self._model.opt.graph_conditional = self.device.is_cpu or wp.is_conditional_graph_supported()
             self._model.opt.warn_overflow = 0  # :meth:`check` tells it once
             room = {"nconmax": _CONTACTS, "njmax": _CONSTRAINTS}

@@ -60,6 +60,21 @@ def model_seen_from(scene: Scene, view: Viewpoint) -> mujoco.MjModel:
     return model
 
 
+def warp_model(scene: Scene, model: mujoco.MjModel) -> mjw.Model:
+    """The model on Warp's current device.
+
+    Raises:
+        BelvedereError: MuJoCo Warp lacks something that the model has.
+    """
+    try:
+        return mjw.put_model(model)
+    except NotImplementedError as error:
+        raise BelvedereError(
+            f"scene {scene.name}: MuJoCo Warp, which poses what is drawn, lacks something of robot "
+            f"{scene.robot.name} ({scene.declared.file}): {' '.join(str(error).split())}."
+        ) from None
+
+
 class Renderer:
     """Pictures of ``count`` worlds; used by one thread at a time (it releases the GIL).
 
@@ -99,7 +114,7 @@ class Renderer:
         still = buffers.static_geoms(model, geoms)
         samples, camera = size * antialias, model.camera(CAMERA).id
         with wp.ScopedDevice(self._device):
-            self._model = mjw.put_model(model)
+            self._model = warp_model(scene, model)
             self._data = mjw.make_data(model, nworld=count, nconmax=1, njmax=1)
             initial = np.tile(initial_data(scene).qpos.astype(np.float32), (count, 1))
             self._data.qpos.assign(initial)  # where locked joints stand

@@ -77,9 +77,13 @@ class Light(Section):
 
 
 class SceneParams(Section):
-    """A scene: robot, controlled axes, start, targets, obstacles, camera, lights."""
+    """A scene: robot, desk, controlled axes, start, targets, obstacles, camera, lights.
+
+    ``desk``: a box to stand on and lean on, or null where there is none or the robot's file brings one.
+    """
 
     robot: str
+    desk: Box | None
     axes: Annotated[tuple[Axis, ...], Field(min_length=1, max_length=3)]
     frames: Annotated[int, Field(ge=1, le=10_000)]
     substeps: Annotated[int, Field(ge=1, le=1000)]

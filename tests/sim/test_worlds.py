@@ -11,9 +11,9 @@ from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering.renderer import Renderer
 from pipeline.sim.arm_controllers import next_setpoint
 from pipeline.sim.draws import Episodes, draw_episodes
-from pipeline.sim.robots import UPRIGHT
 from pipeline.sim.scene import Scene, compile_scene
 from pipeline.sim.task import environment
+from pipeline.sim.wheel_robots import UPRIGHT
 from pipeline.sim.worlds import Worlds
 from tests.sim.conftest import VIEWS, compiled
 
@@ -177,7 +177,7 @@ def test_fetchs_gripper_keeps_pointing_down() -> None:
 
 
 def test_initial_grip_is_fetchs(scene: Scene) -> None:
-    if scene.robot.control == "mocap":
+    if scene.robot.control == "weld":
         worlds = Worlds(scene, 1)
         worlds.reset(draw_episodes(scene, 1, np.random.default_rng(0)))
         np.testing.assert_allclose(worlds.tip[0], [1.3418, 0.7491, 0.5347], atol=1e-3)
