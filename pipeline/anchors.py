@@ -12,7 +12,7 @@ from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.machine import cores
 from pipeline.contract.seeds import Stream
 from pipeline.contract.stage import entry
-from pipeline.control.anchors import expert, heading_for, nothing, play
+from pipeline.control.anchors import expert, nothing, play
 from pipeline.control.blind import TargetBlind
 from pipeline.control.outcomes import evaluation_episodes, made_with, means, outcomes
 from pipeline.control.params import EvaluationSizes
@@ -40,10 +40,11 @@ def judge(worlds: Worlds, repeat: int, target_blind: TargetBlind) -> pl.DataFram
     """One repeat's evaluation episodes, under each policy."""
     scene = worlds.scene
     episodes = evaluation_episodes(scene, worlds.count, params.seed(), repeat)
-    blind = heading_for(scene, target_blind.goals(episodes.start_m))
+    blind = target_blind.policy(episodes.start_m)
     parts = []
     for name, policy in {"no_op": nothing, "blind": blind, "expert": expert(scene)}.items():
-        rows = outcomes(repeat, episodes, *play(worlds, episodes, policy))
+        played = play(worlds, episodes, policy)
+        rows = outcomes(repeat, scene.task, episodes, played.error_m, played.reward)
         parts.append(rows.select(pl.lit(name).alias("anchor"), pl.all()))
     return pl.concat(parts)
 

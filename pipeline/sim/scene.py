@@ -12,11 +12,10 @@ from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.sim.params import AXES, SceneParams
 from pipeline.sim.robots import TIP, Robot, limit_contacts, robot, settle_fetch
+from pipeline.sim.tasks.base import Task
+from pipeline.sim.tasks.bodies import TARGET
 
-TARGET = "target"
 CAMERA = "viewpoint"
-TARGET_GROUP = 1  # alone in its group, so that it can be pictured without what hides it
-_TARGET_RGBA = (1.0, 0.0, 0.0, 1.0)
 _OBSTACLE_RGBA = (0.2, 0.45, 0.75, 1.0)
 _DESK_RGBA = (0.62, 0.55, 0.46, 1.0)
 _PANDA_DESK = ((0.45, 0.0, -0.02), (0.55, 0.7, 0.02))  # centre and half size, m; its top is z = 0
@@ -60,9 +59,21 @@ class Scene:
     def target_mocap(self) -> int:
         return int(self.model.body(TARGET).mocapid[0])
 
+    @property
+    def task(self) -> Task:
+        return self.params.task
+
     @cached_property
-    def target_geom(self) -> int:
-        return int(self.model.geom(TARGET).id)
+    def point_site(self) -> int:
+        """The site that shall come to the target."""
+        return int(self.model.site(self.task.site).id)
+
+    @cached_property
+    def target_geoms(self) -> range:
+        """The target's geoms, which are numbered one after the other."""
+        body = self.model.body(TARGET)
+        first = int(body.geomadr[0])
+        return range(first, first + int(body.geomnum[0]))
 
 
 def load_scene(name: str, path: Path = params.PARAMS_FILE) -> Scene:
@@ -95,7 +106,7 @@ def compile_scene(name: str, scene: SceneParams) -> Scene:
             conaffinity=1,
         )
     limit_contacts(spec, arm)
-    _add_target(spec, scene)
+    scene.task.add_bodies(spec, scene)
     spec.worldbody.add_camera(name=CAMERA, fovy=scene.camera.fov_deg)
     try:
         model = spec.compile()
@@ -104,20 +115,6 @@ def compile_scene(name: str, scene: SceneParams) -> Scene:
             f"scene {name}: robot {scene.robot!r} does not compile: {' '.join(str(error).split())}."
         ) from None
     return Scene(name, scene, model, arm)
-
-
-def _add_target(spec: mujoco.MjSpec, scene: SceneParams) -> None:
-    """A sphere on a mocap body: it can stand anywhere and nothing can touch it."""
-    body = spec.worldbody.add_body(name=TARGET, mocap=True, pos=scene.target.candidates_m[0])
-    body.add_geom(
-        name=TARGET,
-        type=mujoco.mjtGeom.mjGEOM_SPHERE,
-        size=[scene.target.radius_m, 0, 0],
-        rgba=_TARGET_RGBA,
-        contype=0,
-        conaffinity=0,
-        group=TARGET_GROUP,
-    )
 
 
 def _add_desk(spec: mujoco.MjSpec, scene: SceneParams) -> None:

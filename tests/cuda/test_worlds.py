@@ -14,8 +14,8 @@ from pipeline.cuda.worlds import DeviceWorlds, start_fields
 from pipeline.rendering.renderer import Renderer
 from pipeline.sim.arm_controllers import arm_controller
 from pipeline.sim.draws import Episodes, draw_episodes
+from pipeline.sim.environment import environment
 from pipeline.sim.scene import Scene
-from pipeline.sim.task import environment
 from pipeline.sim.worlds import Worlds
 from tests.cuda.device_cases import DEVICES
 from tests.sim.conftest import SCENES, VIEWS, compiled

@@ -11,9 +11,9 @@ from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering.renderer import Renderer
 from pipeline.sim.arm_controllers import next_setpoint
 from pipeline.sim.draws import Episodes, draw_episodes
+from pipeline.sim.environment import environment
 from pipeline.sim.robots import UPRIGHT
 from pipeline.sim.scene import Scene, compile_scene
-from pipeline.sim.task import environment
 from pipeline.sim.worlds import Worlds
 from tests.sim.conftest import VIEWS, compiled
 
