@@ -42,14 +42,19 @@ class TargetBlind:
         first, _, counts = _unlike(paths.reshape(len(paths), -1))
         weights = counts * start_density(self._scene, start_m, self._episodes.target_m[first])
         known = weights.sum(axis=1) > 0  # a start at the very edge may go with no target that was drawn
-        rows, alike, _ = _unlike(weights[known])  # starts that tell the same of targets share a median
-        medians = [
-            geometric_median(places, weights[known][rows])[alike]
-            for places in paths[first].swapaxes(0, 1)[:, :, self._axes]
-        ]
-        for axis, values in zip(self._axes, np.stack(medians, axis=-1).swapaxes(0, 1), strict=True):
+        medians = _medians(paths[first][:, :, self._axes], weights[known])
+        for axis, values in zip(self._axes, np.moveaxis(medians, 2, 0), strict=True):
             believed[known, :, axis] = values  # (known, frames or 1)
         return believed
+
+
+def _medians(paths_m: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Geometric medians of paths (m, t, d) at each time, by rows of weights (n, m): (n, t, d)."""
+    if paths_m.shape[1] == 1:
+        return geometric_median(paths_m[:, 0], weights)[:, None]
+    rows, alike, _ = _unlike(weights)  # starts that tell the same of targets share their medians
+    times = [geometric_median(places, weights[rows]) for places in paths_m.swapaxes(0, 1)]
+    return np.stack(times, axis=1)[alike]
 
 
 def _unlike(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
