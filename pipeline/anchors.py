@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
 import polars as pl
 
 from pipeline.contract import params, seeds
+from pipeline.contract.anchors import anchor_warnings
 from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.machine import cores
 from pipeline.contract.seeds import Stream
@@ -33,7 +35,11 @@ def main(*, scene: str, out: Path, metrics: Path) -> None:
     table = pl.concat([judge(worlds, repeat, target_blind) for repeat in range(params.first_repeats(scene))])
     with writing(out) as aside:
         table.write_parquet(aside)
-    write_json(metrics, {"scene": scene, **means(table, _levels), "made_with": made_with(COMPUTE)})
+    found = means(table, _levels)
+    write_json(metrics, {"scene": scene, **found, "made_with": made_with(COMPUTE)})
+    levels = ("no_op_mean", "blind_mean", "expert_mean", "expert_within_2cm_share_mean")
+    for warning in anchor_warnings(scene, *(found[name] for name in levels)):
+        print(f"warning: {warning}", file=sys.stderr)
 
 
 def judge(worlds: Worlds, repeat: int, target_blind: TargetBlind) -> pl.DataFrame:

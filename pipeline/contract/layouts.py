@@ -14,13 +14,11 @@ class Column:
         dims: axis names; the first is ``episode``.
         dtype: NumPy dtype name.
         unit: physical unit, or what the numbers are.
-        optional: whether a store may lack it.
     """
 
     dims: tuple[str, ...]
     dtype: str
     unit: str
-    optional: bool = False
 
 
 Schema = Mapping[str, Column]
@@ -28,15 +26,10 @@ Schema = Mapping[str, Column]
 _EPISODE = ("episode",)
 _FRAME = ("episode", "frame")
 
-# Of tasks in which tip and a resting target do not tell them.
-_TASK: Schema = {
-    "target_path": Column((*_FRAME, "xyz"), "float32", "m, the target before the action", optional=True),
-    "error": Column(
-        (*_FRAME, "xyz"),
-        "float32",
-        "m, from the target to what shall come there, 0 on free axes",
-        optional=True,
-    ),
+# Beside these in rollouts and frames of tasks in which tip and a resting target do not tell them.
+TASK: Schema = {
+    "target_path": Column((*_FRAME, "xyz"), "float32", "m, the target before the action"),
+    "error": Column((*_FRAME, "xyz"), "float32", "m, from the target to what shall come there"),
 }
 ROLLOUTS: Schema = {
     "qpos": Column((*_FRAME, "coordinate"), "float32", "MuJoCo generalised positions (rad, m)"),
@@ -44,7 +37,6 @@ ROLLOUTS: Schema = {
     "action": Column((*_FRAME, "axis"), "float32", "share of the largest displacement, -1 to 1"),
     "reward": Column(_FRAME, "float32", "m, eq. (1), after the action"),
     "target": Column((*_EPISODE, "xyz"), "float32", "m, world frame"),
-    **_TASK,
 }
 FRAMES: Schema = {
     "rgb": Column((*_FRAME, "row", "column", "channel"), "uint8", "sRGB, 0 to 255"),
@@ -54,7 +46,6 @@ FRAMES: Schema = {
     "target": ROLLOUTS["target"],
     "target_pixels": Column(_FRAME, "int32", "pixels in which the target is seen"),
     "target_pixels_free": Column(_EPISODE, "int32", "the same, were nothing in front of it"),
-    **_TASK,
 }
 LATENTS: Schema = {
     "mean": Column((*_FRAME, "latent"), "float32", "posterior mean of z"),

@@ -18,11 +18,11 @@ from zarr.codecs import ZstdCodec
 
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.layouts import FRAMES, LATENTS, ROLLOUTS, Column, Schema
+from pipeline.contract.layouts import FRAMES, LATENTS, ROLLOUTS, TASK, Column, Schema
 from pipeline.contract.parts import InParts, parts
 from pipeline.contract.zarr_checks import check_shapes, metadata_digest
 
-__all__ = ["FRAMES", "LATENTS", "ROLLOUTS", "Column", "Schema", "Store", "place", "write"]
+__all__ = ["FRAMES", "LATENTS", "ROLLOUTS", "TASK", "Column", "Schema", "Store", "place", "write"]
 
 FORMAT = 3
 SHARD_BYTES = 256 * 2**20  # an upper bound on a shard, far above quick's, for the paper budget
@@ -40,9 +40,8 @@ def write(
 
     Args:
         path: the repeat's own folder, see :func:`place`.
-        schema: which arrays there must be.
-        arrays: one array per column of the schema, of which optional ones may lack; shapes must agree on
-            shared axis names.
+        schema: which arrays there must be; those of :data:`TASK` may be there.
+        arrays: one array per column of the schema; shapes must agree on shared axis names.
         attributes: JSON-able facts that all repeats of a store share (scene, viewpoint, versions, …).
     """
     schema = _present(schema, arrays)
@@ -111,7 +110,7 @@ class Store:
         return place(self.path, repeat)
 
     def has(self, name: str) -> bool:
-        """Whether the store holds array ``name``, which its schema may let it lack."""
+        """Whether the store holds array ``name`` of :data:`TASK`."""
         return name in self._groups[0]
 
     def shape(self, name: str) -> tuple[int, ...]:
@@ -183,8 +182,8 @@ def _facts(group: zarr.Group) -> dict[str, Any]:
 
 
 def _present(schema: Schema, arrays: Collection[str]) -> Schema:
-    """The schema without the optional columns that are not there."""
-    return {name: column for name, column in schema.items() if name in arrays or not column.optional}
+    """The schema with those of a task's columns that are there."""
+    return {**schema, **{name: column for name, column in TASK.items() if name in arrays}}
 
 
 def _check_axes(path: Path, schema: Schema, arrays: Mapping[str, Any]) -> None:

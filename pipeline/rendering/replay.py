@@ -42,7 +42,8 @@ def render(
 
     rgb = InParts((episodes, frames, PICTURE_SIZE, PICTURE_SIZE, 3), draw)
     free = _unhidden(renderer, qpos, target)
-    same = {name: store.repeat(name, repeat) for name in zarrs.FRAMES if store.has(name)}
+    names = ["tip", "action", "reward", "target", *filter(store.has, zarrs.TASK)]
+    same = {name: store.repeat(name, repeat) for name in names}
     return {"rgb": rgb, "target_pixels": pixels, "target_pixels_free": free, **same}
 
 
