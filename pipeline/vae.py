@@ -10,6 +10,7 @@ import numpy as np
 
 from pipeline.contract import params, seeds, zarrs
 from pipeline.contract.artefacts import write_json, writing
+from pipeline.contract.positions import error_by_frame, target_by_frame
 from pipeline.contract.repeats import finished, publish
 from pipeline.contract.scratch import digest_files
 from pipeline.contract.seeds import Stream
@@ -26,7 +27,7 @@ from pipeline.worldmodel.probes import Labelled, label, probe
 from pipeline.worldmodel.reconstructions import write_reconstructions
 from pipeline.worldmodel.vae_training import fit
 
-READ = ("tip", "target", "target_pixels", "target_pixels_free")
+READ = ("tip", "target_pixels", "target_pixels_free")
 
 
 def main(*, frames: Path, out: Path, metrics: Path, picture: Path) -> None:
@@ -49,6 +50,7 @@ def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
 
     def make(results: Path, running: Path) -> None:
         arrays = {name: store.repeat(name, repeat) for name in READ}
+        arrays |= {"target": target_by_frame(store, repeat), "error": error_by_frame(store, repeat)}
         training, heldout = split_episodes(len(arrays["tip"]), share)
         draws, what = seeds.integer(seed, repeat, Stream.VAE), f"vae, repeat {repeat}"
         seen, unseen = (
@@ -58,8 +60,8 @@ def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
         encoder = Encoder(vae, place)
 
         def labelled(pictures: np.ndarray, episodes: np.ndarray) -> Labelled:
-            tip = arrays["tip"][episodes, :: sizes.frame_stride]
-            return label(encoder(pictures), tip, arrays["target"][episodes])
+            kept = (arrays[n][episodes, :: sizes.frame_stride] for n in ("tip", "target", "error"))
+            return label(encoder(pictures), *kept)
 
         probing = seeds.integer(seed, repeat, Stream.PROBES)
         numbers |= probe(labelled(seen, training), labelled(unseen, heldout), method.probes, probing)

@@ -109,7 +109,7 @@ def _tell_motion(scene: Scene) -> None:
     expert, returns = Expert(scene), np.zeros(_EPISODES)
     worlds.reset(episodes)
     for _ in range(scene.frames):
-        returns += worlds.step(expert(worlds.tip, worlds.target))
+        returns += worlds.step(expert(worlds.state))
     missed = np.linalg.norm(worlds.tip - worlds.target, axis=1).max()
     worlds.reset(episodes)
     for _ in range(scene.frames):
@@ -127,7 +127,7 @@ def _speed(scene: Scene) -> str:
     pushes = np.concatenate([np.eye(3), -np.eye(3)])
     start = np.repeat(np.asarray(scene.params.target.candidates_m), len(pushes), axis=0)
     worlds = Worlds(scene, len(pushes))
-    worlds.reset(Episodes(start, start))
+    worlds.reset(Episodes.at(start, start))
     for _ in range(_PUSHED):
         before = worlds.tip
         worlds.step(pushes)

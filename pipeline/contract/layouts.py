@@ -26,6 +26,11 @@ Schema = Mapping[str, Column]
 _EPISODE = ("episode",)
 _FRAME = ("episode", "frame")
 
+# Beside these in rollouts and frames of tasks in which tip and a resting target do not tell them.
+TASK: Schema = {
+    "target_path": Column((*_FRAME, "xyz"), "float32", "m, the target before the action"),
+    "error": Column((*_FRAME, "xyz"), "float32", "m, from the target to what shall come there"),
+}
 ROLLOUTS: Schema = {
     "qpos": Column((*_FRAME, "coordinate"), "float32", "MuJoCo generalised positions (rad, m)"),
     "tip": Column((*_FRAME, "xyz"), "float32", "m, world frame, before the action"),

@@ -8,7 +8,7 @@ carry Zstandard's checksum, shards' indices Zarr's, and a hash of the metadata s
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +18,11 @@ from zarr.codecs import ZstdCodec
 
 from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.layouts import FRAMES, LATENTS, ROLLOUTS, Column, Schema
+from pipeline.contract.layouts import FRAMES, LATENTS, ROLLOUTS, TASK, Column, Schema
 from pipeline.contract.parts import InParts, parts
 from pipeline.contract.zarr_checks import check_shapes, metadata_digest
 
-__all__ = ["FRAMES", "LATENTS", "ROLLOUTS", "Column", "Schema", "Store", "place", "write"]
+__all__ = ["FRAMES", "LATENTS", "ROLLOUTS", "TASK", "Column", "Schema", "Store", "place", "write"]
 
 FORMAT = 3
 SHARD_BYTES = 256 * 2**20  # an upper bound on a shard, far above quick's, for the paper budget
@@ -40,10 +40,11 @@ def write(
 
     Args:
         path: the repeat's own folder, see :func:`place`.
-        schema: which arrays there must be.
+        schema: which arrays there must be; those of :data:`TASK` may be there.
         arrays: one array per column of the schema; shapes must agree on shared axis names.
         attributes: JSON-able facts that all repeats of a store share (scene, viewpoint, versions, …).
     """
+    schema = _present(schema, arrays)
     _check_axes(path, schema, arrays)
     with writing(Path(path)) as aside:
         group = zarr.create_group(str(aside))
@@ -108,6 +109,10 @@ class Store:
             raise self._broken(f"it holds {self.repeats} repeats, and repeat {repeat} was asked for")
         return place(self.path, repeat)
 
+    def has(self, name: str) -> bool:
+        """Whether the store holds array ``name`` of :data:`TASK`."""
+        return name in self._groups[0]
+
     def shape(self, name: str) -> tuple[int, ...]:
         """The shape of array ``name`` in the first repeat: ``(episode, …)``."""
         return tuple(self._array(name, 0).shape)
@@ -141,6 +146,7 @@ class Store:
         if group.attrs.get("format") != FORMAT:
             raise self._broken(f"the format of {path.name} is {group.attrs.get('format')!r}, not {FORMAT}")
         try:
+            schema = _present(schema, set(group))
             arrays: dict[str, Any] = {name: group.get(name) for name in schema}
         except Exception as error:  # as above
             raise self._broken(f"the arrays of {path.name} cannot be read ({type(error).__name__})") from None
@@ -173,6 +179,11 @@ class Store:
 def _facts(group: zarr.Group) -> dict[str, Any]:
     """The attributes that :func:`write` was given."""
     return {name: value for name, value in group.attrs.items() if name not in ("format", "metadata_digest")}
+
+
+def _present(schema: Schema, arrays: Collection[str]) -> Schema:
+    """The schema with those of a task's columns that are there."""
+    return {**schema, **{name: column for name, column in TASK.items() if name in arrays}}
 
 
 def _check_axes(path: Path, schema: Schema, arrays: Mapping[str, Any]) -> None:

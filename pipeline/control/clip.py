@@ -26,11 +26,10 @@ def write_clip(path: Path, scene: Scene, view: Viewpoint, qpos: np.ndarray, targ
         scene: the compiled scene.
         view: where the camera stands.
         qpos: generalised positions, shape (t, nq).
-        target_m: the target, shape (3,), m.
+        target_m: the target at the same times, shape (t, 3), m.
     """
-    targets = np.repeat(target_m[None], len(qpos), axis=0)
-    large = Renderer(scene, view, len(qpos), size=_SIDE, antialias=2).render(qpos, targets)
-    small = Renderer(scene, view, len(qpos)).render(qpos, targets)
+    large = Renderer(scene, view, len(qpos), size=_SIDE, antialias=2).render(qpos, target_m)
+    small = Renderer(scene, view, len(qpos)).render(qpos, target_m)
     times = _SIDE // PICTURE_SIZE
     seen = small.repeat(times, axis=1).repeat(times, axis=2)
     first, *rest = (Image.fromarray(frame) for frame in np.concatenate([large, seen], axis=2))

@@ -13,8 +13,8 @@ from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.rendering.renderer import Renderer
 from pipeline.rendering.visibility import PICTURE_SIZE
+from pipeline.sim.environment import environment
 from pipeline.sim.scene import load_scene
-from pipeline.sim.task import environment
 
 _LARGE = 512  # side of the picture for people, pixels
 

@@ -23,10 +23,11 @@ from pipeline.rendering import buffers, shading
 from pipeline.rendering.tracer import StaticBackground, Tracer
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.camera import camera_to_world
-from pipeline.sim.scene import CAMERA, TARGET_GROUP, Scene, initial_data
+from pipeline.sim.scene import CAMERA, Scene, initial_data
+from pipeline.sim.tasks.bodies import TARGET_GROUP
 
 VISIBLE_GROUPS = (0, 1, 2)
-_NO_GEOM = -2
+_NO_GEOMS = range(-2, -2)
 _SHARD = 32  # worlds a call; small enough to share out evenly, large enough to fill a core
 
 
@@ -109,7 +110,8 @@ class Renderer:
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         self._scene, self._antialias = scene, antialias
-        self._target = scene.target_geom if segment else _NO_GEOM
+        counted = scene.target_geoms if segment else _NO_GEOMS
+        self._target = wp.vec2i(counted.start, counted.stop)
         geoms = buffers.visible_geoms(model, groups)
         still = buffers.static_geoms(model, geoms)
         samples, camera = size * antialias, model.camera(CAMERA).id

@@ -15,7 +15,7 @@ from pipeline.sim.camera import camera_to_world
 from pipeline.sim.scene import Scene
 
 PICTURE_SIZE = 64  # pixels a side, as the world model sees it (paper II-C)
-_DRAWN_BESIDE_TARGET = (0, 2)  # the target stands alone in group 1
+_DRAWN = (0, 1, 2)  # geom groups
 
 
 def to_pixels(scene: Scene, view: Viewpoint, points_m: np.ndarray, size: int) -> np.ndarray:
@@ -39,24 +39,25 @@ class Sight:
         self._scene = scene
         self._batch = mujoco_batch.Batch(scene.model, count, threads)
         self._groups = np.zeros(mujoco.mjNGROUP, np.uint8)
-        self._groups[list(_DRAWN_BESIDE_TARGET)] = 1
+        self._groups[list(_DRAWN)] = 1
 
     def target_pixels(self, view: Viewpoint, qpos: np.ndarray, target_m: np.ndarray) -> np.ndarray:
         """Shapes (count, nq), (count, 3) → (count,)."""
         self._batch.bind("qpos")[:] = qpos
+        self._batch.bind("mocap_pos")[:, self._scene.target_mocap] = target_m
         origin, rotation = camera_to_world(self._scene.params.camera, view)
         rays = _rays_about(self._scene, view, target_m) @ rotation.T
-        reach = _distance_to_sphere(origin, rays, target_m, self._scene.params.target.radius_m)
-        hit, _ = self._batch.ray(origin, rays, geomgroup=self._groups)
-        hidden = (hit >= 0) & (hit < reach)
-        return np.asarray((np.isfinite(reach) & ~hidden).sum(axis=1), dtype=np.int32)
+        _, geom = self._batch.ray(origin, rays, geomgroup=self._groups)
+        mine = (geom >= self._scene.target_geoms.start) & (geom < self._scene.target_geoms.stop)
+        return np.asarray(mine.sum(axis=1), dtype=np.int32)
 
 
 def refuse_hidden_targets(scene: Scene, view: Viewpoint) -> None:
     """Holds a viewpoint to the paper's rule for obstacles: they may hide no target position wholly.
 
     Counted are the pixels in which a target at one of the scene's candidate positions (without jitter)
-    is seen past all that is fixed in the scene: obstacles, desk and table, but not the robot.
+    is seen past all that is fixed in the scene: obstacles, desk and table, but not the robot. A target that
+    is no sphere counts as the sphere about its place that holds all of it.
 
     Raises:
         BelvedereError: there are none.
@@ -64,7 +65,7 @@ def refuse_hidden_targets(scene: Scene, view: Viewpoint) -> None:
     targets = np.asarray(scene.params.target.candidates_m)
     origin, rotation = camera_to_world(scene.params.camera, view)
     rays = _rays_about(scene, view, targets) @ rotation.T
-    reach = _distance_to_sphere(origin, rays, targets, scene.params.target.radius_m)
+    reach = _distance_to_sphere(origin, rays, targets, scene.task.extent_m(scene.params))
     for target, its_rays, its_reach in zip(targets, rays, reach, strict=True):
         in_picture = np.isfinite(its_reach)
         ends = origin + its_rays[in_picture] * its_reach[in_picture, None]
@@ -95,11 +96,13 @@ class _Solid:
 
 
 def _solids(scene: Scene) -> dict[str, _Solid]:
-    """The scene's boxes that are no part of the robot, by name."""
+    """The scene's boxes that are no part of the robot or the target, by name."""
     model, found = scene.model, {}
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     for geom in np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_BOX):
+        if geom in scene.target_geoms:
+            continue
         body = model.body(model.geom_bodyid[geom]).name
         if not body.startswith(scene.robot.prefix):
             rotation = data.geom_xmat[geom].reshape(3, 3)
@@ -113,7 +116,7 @@ def _rays_about(scene: Scene, view: Viewpoint, target_m: np.ndarray) -> np.ndarr
     camera, size = scene.params.camera, PICTURE_SIZE
     slope = 2 * np.tan(np.radians(camera.fov_deg) / 2) / size
     near = camera.distance_m - np.linalg.norm(target_m - np.asarray(camera.look_at_m), axis=1).max()
-    half = int(np.ceil(1.2 * scene.params.target.radius_m / max(near, 0.1) / slope)) + 1
+    half = int(np.ceil(1.2 * scene.task.extent_m(scene.params) / max(near, 0.1) / slope)) + 1
     middle = np.floor(to_pixels(scene, view, target_m, size))
     offsets = np.stack(np.meshgrid(*[np.arange(-half, half + 1)] * 2), axis=-1).reshape(-1, 2)
     pixels = middle[:, None] + offsets[None] + 0.5

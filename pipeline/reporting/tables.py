@@ -7,6 +7,7 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, computed_field
 
+from pipeline.contract.anchors import anchor_warnings
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.tables import read_model
 
@@ -82,6 +83,11 @@ class Anchors(Table):
     blind_mean: float
     expert_mean: float
     expert_within_2cm_share_mean: float
+
+    def warnings(self, scene: str) -> list[str]:
+        """What makes a ranking of the scene's views say little, in sentences."""
+        levels = (self.no_op_mean, self.blind_mean, self.expert_mean, self.expert_within_2cm_share_mean)
+        return anchor_warnings(scene, *levels)
 
 
 class OfView(Table):

@@ -18,11 +18,10 @@ from pipeline.sim.robot import TIP, Robot
 from pipeline.sim.robot_files import digests
 from pipeline.sim.robot_params import RobotParams, robot_params
 from pipeline.sim.robots import build_robot, limit_contacts
+from pipeline.sim.tasks.base import Task
+from pipeline.sim.tasks.bodies import TARGET
 
-TARGET = "target"
 CAMERA = "viewpoint"
-TARGET_GROUP = 1  # alone in its group, so that it can be pictured without what hides it
-_TARGET_RGBA = (1.0, 0.0, 0.0, 1.0)
 _OBSTACLE_RGBA = (0.2, 0.45, 0.75, 1.0)
 _DESK_RGBA = (0.62, 0.55, 0.46, 1.0)
 
@@ -73,9 +72,21 @@ class Scene:
     def target_mocap(self) -> int:
         return int(self.model.body(TARGET).mocapid[0])
 
+    @property
+    def task(self) -> Task:
+        return self.params.task
+
     @cached_property
-    def target_geom(self) -> int:
-        return int(self.model.geom(TARGET).id)
+    def point_site(self) -> int:
+        """The site that shall come to the target."""
+        return int(self.model.site(self.task.site).id)
+
+    @cached_property
+    def target_geoms(self) -> range:
+        """The target's geoms, which are numbered one after the other."""
+        body = self.model.body(TARGET)
+        first = int(body.geomadr[0])
+        return range(first, first + int(body.geomnum[0]))
 
 
 def load_scene(name: str, path: Path = params.PARAMS_FILE, root: Path | None = None) -> Scene:
@@ -111,7 +122,7 @@ def compile_with(name: str, scene: SceneParams, declared: RobotParams, root: Pat
     for index, box in enumerate(scene.obstacles):
         _add_box(spec, f"obstacle{index}", box, _OBSTACLE_RGBA)
     limit_contacts(spec, robot)
-    _add_target(spec, scene)
+    scene.task.add_bodies(spec, scene)
     spec.worldbody.add_camera(name=CAMERA, fovy=scene.camera.fov_deg)
     try:
         model = spec.compile()
@@ -122,20 +133,6 @@ def compile_with(name: str, scene: SceneParams, declared: RobotParams, root: Pat
     refuse_textures(model, robot)
     servos.tune(model, robot, declared.drive)
     return Scene(name, scene, model, robot, declared)
-
-
-def _add_target(spec: mujoco.MjSpec, scene: SceneParams) -> None:
-    """A sphere on a mocap body: it can stand anywhere and nothing can touch it."""
-    body = spec.worldbody.add_body(name=TARGET, mocap=True, pos=scene.target.candidates_m[0])
-    body.add_geom(
-        name=TARGET,
-        type=mujoco.mjtGeom.mjGEOM_SPHERE,
-        size=[scene.target.radius_m, 0, 0],
-        rgba=_TARGET_RGBA,
-        contype=0,
-        conaffinity=0,
-        group=TARGET_GROUP,
-    )
 
 
 def _add_box(spec: mujoco.MjSpec, name: str, box: Box, rgba: tuple[float, ...]) -> None:

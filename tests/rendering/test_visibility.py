@@ -90,7 +90,7 @@ def pixels_of(scene: Scene, view: Viewpoint, target_m: np.ndarray) -> int:
     groups = np.array([1, 1, 1, 0, 0, 0], np.uint8)
     flat = rays.reshape(-1, 1)
     mujoco.mj_multiRay(model, data, origin, flat, groups, True, -1, met, far, None, len(rays), 10.0)
-    return int((met == scene.target_geom).sum())
+    return int(np.isin(met, scene.target_geoms).sum())
 
 
 def test_a_target_behind_the_camera_is_in_no_pixel() -> None:

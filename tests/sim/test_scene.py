@@ -63,7 +63,8 @@ def test_missing_robot_file_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: P
 
 
 def test_nothing_can_touch_the_target(scene: Scene) -> None:
-    geom = scene.model.geom(scene.target_geom)
+    (number,) = scene.target_geoms
+    geom = scene.model.geom(number)
     assert geom.contype == 0
     assert geom.conaffinity == 0
     assert geom.type == mujoco.mjtGeom.mjGEOM_SPHERE

@@ -1,6 +1,6 @@
-"""The reaching task's dm_control face, for single episodes.
+"""A scene's dm_control face, for single episodes.
 
-Batches and single episodes share the model, the arm controller and the reward, so they agree bit for bit.
+Batches and single episodes share the model, the arm controller and the task, so they agree bit for bit.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from dm_env import specs
 
 from pipeline.sim.arm_controllers import TipPose, arm_controller, next_setpoint
 from pipeline.sim.draws import Episodes, draw_episodes
-from pipeline.sim.reward import reach_reward
 from pipeline.sim.scene import Scene
+from pipeline.sim.worlds import start_fields, target_paths
 
 
 class Physics(engine.Physics):
@@ -32,6 +32,10 @@ class Physics(engine.Physics):
         """Target position, shape (3,), m."""
         return np.array(self.data.mocap_pos[self.scene.target_mocap])
 
+    def point(self) -> np.ndarray:
+        """The position of what shall come to the target, shape (3,), m."""
+        return np.array(self.data.site_xpos[self.scene.point_site])
+
     def tip_pose(self) -> TipPose:
         """Where the hand is, with a leading axis of one world."""
         body = self.scene.model.site_bodyid[self.scene.tip_site]
@@ -40,8 +44,8 @@ class Physics(engine.Physics):
         )
 
 
-class Reach(control.Task):
-    """Reach the target: the action is a displacement of the tip on the controlled axes.
+class SceneTask(control.Task):
+    """The scene's task: the action is a displacement of the tip on the controlled axes.
 
     Args:
         scene: the compiled scene.
@@ -52,6 +56,7 @@ class Reach(control.Task):
         self._scene, self._rng = scene, rng
         self._arm_controller = arm_controller(scene, 1, 1)
         self._start = np.zeros((1, 3))
+        self._path, self._frame = np.zeros((1, 1, 3)), 0
         self._next: Episodes | None = None
         self._fresh: dict[str, np.ndarray] = {}
 
@@ -62,7 +67,8 @@ class Reach(control.Task):
     def initialize_episode(self, physics: Physics) -> None:
         episode = self._next or draw_episodes(self._scene, 1, self._rng)
         self._next, self._start = None, episode.start_m
-        self._fresh = self._arm_controller.reset(episode.start_m, episode.target_m)
+        self._path, self._frame = target_paths(self._scene, episode), 0
+        self._fresh = start_fields(self._scene, self._arm_controller, episode)
         self._write(physics, self._fresh)
 
     def before_step(self, action: np.ndarray, physics: Physics) -> None:
@@ -72,6 +78,8 @@ class Reach(control.Task):
         tip_pose = physics.tip_pose()
         setpoint = next_setpoint(self._scene, tip_pose.tip_m, self._start, np.asarray(action)[None])
         self._write(physics, self._arm_controller.move(tip_pose, setpoint))
+        self._frame = min(self._frame + 1, self._path.shape[1] - 1)
+        physics.data.mocap_pos[self._scene.target_mocap] = self._path[0, self._frame]
 
     def after_step(self, physics: Physics) -> None:
         # mj_step leaves derived fields one substep behind the state
@@ -84,7 +92,7 @@ class Reach(control.Task):
         return {"tip_m": physics.tip(), "target_m": physics.target()}
 
     def get_reward(self, physics: Physics) -> float:
-        return float(reach_reward(physics.tip()[None], physics.target()[None])[0])
+        return -float(self._scene.task.error(physics.point()[None], physics.target()[None])[0])
 
     @staticmethod
     def _write(physics: Physics, fields: dict[str, np.ndarray]) -> None:
@@ -100,4 +108,4 @@ def environment(scene: Scene, rng: np.random.Generator) -> control.Environment:
     frame_s = scene.params.substeps * scene.params.timestep_s
     settings: dict[str, Any] = {"n_sub_steps": scene.params.substeps, "legacy_step": False}
     limit_s = (scene.frames - 0.5) * frame_s  # dm_control counts frames in floats and rounds them up
-    return control.Environment(physics, Reach(scene, rng), time_limit=limit_s, **settings)
+    return control.Environment(physics, SceneTask(scene, rng), time_limit=limit_s, **settings)
