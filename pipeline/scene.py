@@ -1,4 +1,4 @@
-"""Writes down what a scene is made of: its declaration, its robot's, and a hash of every file of the robot."""
+"""Writes down what a scene is made of: its declaration, its robot's, a hash of each of the robot's files."""
 
 from __future__ import annotations
 

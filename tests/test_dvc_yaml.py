@@ -97,7 +97,7 @@ def test_every_path_in_the_command_is_declared_and_every_declared_path_is_in_the
 
 
 def test_the_stages_that_compile_a_scene_depend_on_its_robots_files() -> None:
-    """They read the robot's declaration and files themselves; what stage `scene` wrote says when these changed."""
+    """They read the robot's files themselves; what stage `scene` wrote says when these changed."""
     compiling = {s for s in STAGES if "robots.*" in params_read_by(f"pipeline/{s}.py")}
     assert compiling >= {"scene", "rollouts", "frames", "evaluation"}
     assert compiling - {"scene"} == {s for s in STAGES if SCENE_FILES & set(paths(s, "deps"))}
