@@ -1,4 +1,4 @@
-"""`./run python examples/add.py FILE…`: puts example declarations into params.yaml, below the keys of their names."""
+"""`./run python examples/add.py FILE…`: puts the entries of example files into params.yaml."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pipeline.contract.yamls import read_yaml
 
 
 def added(params: str, example: str, path: Path = PARAMS_FILE) -> str:
-    """The text of params.yaml with an example's entries first below ``robots:``, ``scenes:`` and ``viewpoints:``.
+    """The text of params.yaml with an example's entries below ``robots:``, ``scenes:`` and so on.
 
     Raises:
         BelvedereError: params.yaml has no such key.
