@@ -1,4 +1,4 @@
-"""Writes down what a scene is made of: its declaration, its robot's, and hashes of the robot's files."""
+"""Writes down what a scene is made of: its declaration, its robot's, a hash of each of the robot's files."""
 
 from __future__ import annotations
 

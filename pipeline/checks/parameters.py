@@ -94,7 +94,7 @@ def _robots(path: Path) -> None:
             raise params.invalid(path, "a name below robots", name, "it has letters, digits, _ and -")
         declared = robot_params(name, path)
         changed = robot_file(name, declared.file, path.parent).stat().st_mtime_ns
-        _build(name, declared.model_dump_json(), path.parent, changed)
+        _build(name, declared.model_dump_json(exclude_unset=True), path.parent, changed)
 
 
 @lru_cache(maxsize=64)

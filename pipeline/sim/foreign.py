@@ -89,6 +89,6 @@ def refuse_textures(model: mujoco.MjModel, robot: Robot) -> None:
             which, body = (name.removeprefix(robot.prefix) for name in names)
             raise BelvedereError(
                 f"robot {robot.name}: material {which} of {robot.files[0].name} covers a geom of body "
-                f"{body} with a texture, which is not drawn; take the attribute texture out of the "
-                "material, whose rgba is drawn then."
+                f"{body} with a texture, which is not drawn; take the attribute texture out of the material, "
+                "whose rgba is drawn then."
             )

@@ -33,7 +33,7 @@ NO_NAMES = [
     "a; touch x",
 ]
 NO_TRUTHS = [*NOWHERE, None, "abc", 1]
-MAY_BE_NULL = "above_target_m"
+MAY_BE_NULL = ("above_target_m", "desk")
 MAY_BE_ANY_TEXT = "about"
 HAVE_DEFAULTS = ("home", "offset_m", "largest_step")  # of a robot; the other keys of params.yaml have none
 CHOSEN = (
@@ -97,7 +97,7 @@ def told(tree: Any, folder: Path) -> str:
 def bad(place: Place, value: Any) -> list[Any]:
     if isinstance(value, bool):
         return NO_TRUTHS
-    if place[-1] == MAY_BE_NULL:
+    if place[-1] in MAY_BE_NULL:
         return [v for v in NO_NUMBERS if v is not None]
     if isinstance(value, (int, float)):
         return NO_NUMBERS
