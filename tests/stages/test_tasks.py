@@ -1,4 +1,4 @@
-"""Each example of a task, pasted into params.yaml as docs/tasks.md says, through every stage on budget tiny."""
+"""Each example of a task, pasted into params.yaml through every stage on budget tiny."""
 
 from __future__ import annotations
 
