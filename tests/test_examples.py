@@ -27,6 +27,7 @@ from pipeline.sim.scene import load_scene
 from pipeline.sim.worlds import Worlds
 from tests.support import ROOT
 
+RANKINGS = sorted((ROOT / "reports/rankings").glob("*.json"))
 ROBOTS = sorted((ROOT / "examples/robots").glob("*.yaml"))
 PARAMS = (ROOT / "params.yaml").read_text(encoding="utf-8")
 

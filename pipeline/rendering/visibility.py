@@ -13,6 +13,7 @@ from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.boxes import crosses
 from pipeline.sim.camera import camera_to_world
 from pipeline.sim.scene import Scene
+from pipeline.sim.tasks.bodies import TARGET_GROUP
 
 PICTURE_SIZE = 64  # pixels a side, as the world model sees it (paper II-C)
 _DRAWN = (0, 1, 2)  # geom groups
@@ -56,8 +57,7 @@ def refuse_hidden_targets(scene: Scene, view: Viewpoint) -> None:
     """Holds a viewpoint to the paper's rule for obstacles: they may hide no target position wholly.
 
     Counted are the pixels in which a target at one of the scene's candidate positions (without jitter)
-    is seen past all that is fixed in the scene: obstacles, desk and table, but not the robot. A target that
-    is no sphere counts as the sphere about its place that holds all of it.
+    is seen past all that is fixed in the scene: obstacles, desk and table, but not the robot.
 
     Raises:
         BelvedereError: there are none.
@@ -65,7 +65,7 @@ def refuse_hidden_targets(scene: Scene, view: Viewpoint) -> None:
     targets = np.asarray(scene.params.target.candidates_m)
     origin, rotation = camera_to_world(scene.params.camera, view)
     rays = _rays_about(scene, view, targets) @ rotation.T
-    reach = _distance_to_sphere(origin, rays, targets, scene.task.extent_m(scene.params))
+    reach = _distance_to_target(scene, origin, rays, targets)
     for target, its_rays, its_reach in zip(targets, rays, reach, strict=True):
         in_picture = np.isfinite(its_reach)
         ends = origin + its_rays[in_picture] * its_reach[in_picture, None]
@@ -127,13 +127,20 @@ def _rays_about(scene: Scene, view: Viewpoint, target_m: np.ndarray) -> np.ndarr
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
-def _distance_to_sphere(
-    origin: np.ndarray, rays: np.ndarray, center: np.ndarray, radius: float
+def _distance_to_target(
+    scene: Scene, origin: np.ndarray, rays: np.ndarray, target_m: np.ndarray
 ) -> np.ndarray:
-    """Along unit rays (n, k, 3) to spheres (n, 3): (n, k), infinity where a ray misses."""
-    to_center = center - origin
-    along = np.einsum("nkc,nc->nk", rays, to_center)
-    miss_squared = np.sum(to_center**2, axis=1)[:, None] - along**2
-    hits = (miss_squared < radius**2) & (along > 0)
-    depth = np.sqrt(np.where(hits, radius**2 - miss_squared, 0.0))
-    return np.where(hits, along - depth, np.inf)
+    """Along unit rays (n, k, 3) to targets at (n, 3): (n, k), infinity where a ray misses."""
+    data, groups = mujoco.MjData(scene.model), np.zeros(mujoco.mjNGROUP, np.uint8)
+    groups[TARGET_GROUP] = 1
+    found = np.full(rays.shape[:2], np.inf)
+    for place_m, its_rays, distance in zip(target_m, rays, found, strict=True):
+        data.mocap_pos[scene.target_mocap] = place_m
+        mujoco.mj_kinematics(scene.model, data)
+        count, along = len(its_rays), np.zeros(len(its_rays))
+        geom, flat = np.zeros(count, np.int32), its_rays.reshape(-1, 1)
+        mujoco.mj_multiRay(
+            scene.model, data, origin, flat, groups, True, -1, geom, along, None, count, mujoco.mjMAXVAL
+        )
+        distance[geom >= 0] = along[geom >= 0]
+    return found

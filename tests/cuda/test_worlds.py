@@ -118,7 +118,7 @@ def test_the_graph_does_what_its_kernels_do_one_by_one(
     scene = compiled(name)
     worlds, (episodes, actions) = DeviceWorlds(scene, view(scene), COUNT, device), drawn(scene, SHORT)
     graph = play(worlds, episodes, actions)
-    monkeypatch.setattr(device_worlds, "step", lambda: one_by_one(worlds))
+    monkeypatch.setattr(worlds, "step", lambda: one_by_one(worlds))
     alike(graph, play(worlds, episodes, actions), device)
 
 

@@ -16,7 +16,8 @@ from pipeline.sim.draws import draw_episodes
 from pipeline.sim.expert import Expert
 from pipeline.sim.params import Box
 from pipeline.sim.robot import HIDDEN_GROUP, arm_actuators
-from pipeline.sim.scene import CAMERA, TARGET, TARGET_GROUP, Scene, initial_data
+from pipeline.sim.scene import CAMERA, Scene, initial_data
+from pipeline.sim.tasks.bodies import TARGET, TARGET_GROUP
 from pipeline.sim.worlds import Worlds
 from tests.sim import arms
 from tests.sim.arms import HOME, MOTORS, SERVOS, mjcf, robot, scene, urdf
@@ -57,7 +58,7 @@ def test_the_expert_reaches_every_target(arm: Scene) -> None:
     worlds, expert = Worlds(arm, COUNT), Expert(arm)
     worlds.reset(draw_episodes(arm, COUNT, np.random.default_rng(1)))
     for _ in range(arm.frames):
-        worlds.step(expert(worlds.tip, worlds.target))
+        worlds.step(expert(worlds.state))
     assert np.linalg.norm(worlds.tip - worlds.target, axis=1).max() < 2e-3
 
 
@@ -165,7 +166,7 @@ def test_visuals_are_drawn_in_any_group_and_never_in_the_targets(tmp_path: Path,
     )
     arm = scene(tmp_path, robot(tmp_path, text, home=HOME))
     groups = arm.model.geom_group
-    assert np.flatnonzero(groups == TARGET_GROUP).tolist() == [arm.target_geom]
+    assert np.flatnonzero(groups == TARGET_GROUP).tolist() == list(arm.target_geoms)
     assert groups[arm.model.geom("robot/seen").id] == 0
     hand = arm.model.body("robot/turn_link")
     beside = [g for g in range(arm.model.ngeom) if arm.model.geom_bodyid[g] == hand.id]
