@@ -1,4 +1,4 @@
-"""`./run python examples/add.py FILE…`: puts the entries of example files into params.yaml."""
+"""`./run python examples/add.py FILE…`: puts the entries of example files into params.yaml and dvc.yaml."""
 
 from __future__ import annotations
 
@@ -7,10 +7,14 @@ import sys
 from pathlib import Path
 
 from pipeline.checks.parameters import check
+from pipeline.contract.artefacts import writing
+from pipeline.contract.declared import PIPELINE_FILE, check_viewpoints
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.params import PARAMS_FILE
 from pipeline.contract.stage import entry
-from pipeline.contract.yamls import read_yaml
+from pipeline.contract.yamls import parse, read_yaml
+
+STUDY = "      study: ${viewpoint}\n"  # the first line of dvc.yaml's list of branches
 
 
 def added(params: str, example: str, path: Path = PARAMS_FILE) -> str:
@@ -28,19 +32,41 @@ def added(params: str, example: str, path: Path = PARAMS_FILE) -> str:
     return params
 
 
+def with_branches(pipeline: str, example: str) -> str:
+    """The text of dvc.yaml with a line for each of an example's viewpoints in the list of branches.
+
+    Raises:
+        BelvedereError: dvc.yaml has no such list.
+    """
+    if pipeline.count(STUDY) != 1:
+        raise BelvedereError(
+            f"{PIPELINE_FILE} has no one line {STUDY.strip()!r} after which branches could stand."
+        )
+    lines = [f"      {key}: ${{viewpoints.{key}}}\n" for key in parse(example).get("viewpoints", {})]
+    return pipeline.replace(STUDY, STUDY + "".join(lines))
+
+
 def main(*, files: list[Path]) -> None:
-    """Adds each file's entries, if params.yaml is valid with them."""
-    former = PARAMS_FILE.read_text(encoding="utf-8")
-    for file in files:
-        read_yaml(file)
-        text = added(PARAMS_FILE.read_text(encoding="utf-8"), file.read_text(encoding="utf-8"))
-        PARAMS_FILE.write_text(text, encoding="utf-8")
+    """Adds each file's entries, if both files are valid with them; else leaves both as they were."""
+    former = {file: file.read_text(encoding="utf-8") for file in (PARAMS_FILE, PIPELINE_FILE)}
     try:
+        for file in files:
+            read_yaml(file)
+            example = file.read_text(encoding="utf-8")
+            _replace(PARAMS_FILE, added(PARAMS_FILE.read_text(encoding="utf-8"), example))
+            _replace(PIPELINE_FILE, with_branches(PIPELINE_FILE.read_text(encoding="utf-8"), example))
         check()
-    except BelvedereError:
-        PARAMS_FILE.write_text(former, encoding="utf-8")
+        check_viewpoints()
+    except BaseException:
+        for path, text in former.items():
+            _replace(path, text)
         raise
-    print(f"{PARAMS_FILE} has the entries of {', '.join(file.name for file in files)}")
+    print(f"{PARAMS_FILE} and {PIPELINE_FILE} have the entries of {', '.join(file.name for file in files)}")
+
+
+def _replace(path: Path, text: str) -> None:
+    with writing(path) as aside:
+        aside.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
