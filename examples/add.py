@@ -1,4 +1,4 @@
-"""`./run python examples/add.py FILE…`: puts the entries of example files into params.yaml and dvc.yaml."""
+"""`./run python -m examples.add FILE…`: puts the entries of example files into params.yaml and dvc.yaml."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def _parameters() -> dict[str, object]:
 
 def _random_frames() -> dict[str, int]:
     """By scene, the frames of a repeat's random episodes."""
-    sizes = params.value("budgets", params.budget(), "rollouts")
+    sizes = params.value("budgets")[params.budget()]["rollouts"]
     named = sizes.get("scenes", {})
     scenes = params.value("scenes")
     return {s: (sizes | named.get(s, {}))["episodes"] * scenes[s]["frames"] for s in scenes}

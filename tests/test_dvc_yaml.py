@@ -24,7 +24,7 @@ PARAMS: dict[str, Any] = yaml.safe_load((ROOT / "params.yaml").read_text(encodin
 STAGES: dict[str, Any] = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
 PER_SCENE = ("ranking", "scene", "rollouts", "anchors")
 ONCE = ("report", "alignment")
-SCENE_FILES = {"data/scenes/${item}.json", "data/scenes/${item.scene}.json"}  # deps that need no flag
+SCENE_FILES = {"data/scenes/${key}.json", "data/scenes/${item.scene}.json"}  # deps that need no flag
 
 each_stage = pytest.mark.parametrize("stage", STAGES)
 
