@@ -92,7 +92,7 @@ def _place(point: np.ndarray) -> str:
 def _tell_parts(scene: Scene) -> None:
     robot, model = scene.robot, scene.model
     arm = arm_actuators(model, robot) if robot.control == "joints" else ()
-    others = [model.actuator(a).name for a in range(model.nu) if a not in arm]
+    others = [model.actuator(a).name.removeprefix(robot.prefix) for a in range(model.nu) if a not in arm]
     print(f"robot:           {robot.name}, {scene.declared.file}, {len(robot.files)} files")
     print(f"arm's joints:    {', '.join(j.removeprefix(robot.prefix) for j in robot.arm)}")
     print(f"tip at home:     {_place(initial_data(scene).site_xpos[scene.tip_site])} m")

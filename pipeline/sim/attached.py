@@ -67,7 +67,7 @@ def attached(name: str, declared: RobotParams, file: Path) -> tuple[mujoco.MjSpe
 
 
 def _read(name: str, file: Path) -> tuple[mujoco.MjSpec, list[Path]]:
-    """The file's spec, in which every body, joint and actuator has a name, and the files that it takes."""
+    """The file's spec, whose bodies, joints, actuators and keys all have names, and the files it takes."""
     try:
         if file.suffix.lower() == ".urdf":
             text, files = urdf_text(name, file)
@@ -77,8 +77,8 @@ def _read(name: str, file: Path) -> tuple[mujoco.MjSpec, list[Path]]:
             spec = mujoco.MjSpec.from_file(str(file))
     except ValueError as error:
         raise _unreadable(name, file, error) from None
-    for kind, elements in (("body", spec.bodies), ("joint", spec.joints), ("actuator", spec.actuators)):
-        for number, element in enumerate(elements):
+    for kind in ("body", "joint", "actuator", "key"):
+        for number, element in enumerate(getattr(spec, "bodies" if kind == "body" else f"{kind}s")):
             element.name = element.name or f"{kind}_{number}"
     join_objects(spec)
     return spec, files

@@ -41,7 +41,9 @@ def cleaned(name: str, file: Path, spec: mujoco.MjSpec, remove: Sequence[str]) -
     dropped = []
     for kind in _LEFT_OUT:
         for element in list(getattr(spec, kind)):
-            dropped += [f"{kind[:-1]} {element.name}"] if kind in ("lights", "cameras") else []
+            dropped += (
+                [f"{kind[:-1]} {element.name or 'without name'}"] if kind in ("lights", "cameras") else []
+            )
             spec.delete(element)
     for geom in list(spec.worldbody.geoms):
         dropped.append(f"world geom {geom.name or mujoco.mjtGeom(geom.type).name}")
