@@ -19,9 +19,9 @@ from typing import Any
 import yaml
 
 from benchmarks.rows import AT_MOST, Row, goal_row
-from pipeline.contract.allocation import ALLOCATION_FILE, Allocation, write_allocation
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import cores
+from pipeline.storage.allocation import ALLOCATION_FILE, Allocation, write_allocation
 
 ROOT = Path(__file__).resolve().parents[1]
 BRANCH = "panda_2dof-a"

@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 
 from pipeline.checks.parameters import check
-from pipeline.contract.artefacts import writing
 from pipeline.contract.declared import PIPELINE_FILE, check_viewpoints
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.params import PARAMS_FILE
-from pipeline.contract.stage import entry
 from pipeline.contract.yamls import parse, read_yaml
+from pipeline.storage.artefacts import writing
+from pipeline.storage.stage import entry
 
 STUDY = "      study: ${viewpoint}\n"  # the first line of dvc.yaml's list of branches
 

@@ -10,10 +10,8 @@ import polars as pl
 
 from pipeline.contract import params, seeds
 from pipeline.contract.anchors import anchor_warnings
-from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.machine import cores
 from pipeline.contract.seeds import Stream
-from pipeline.contract.stage import entry
 from pipeline.control.anchors import expert, nothing, play
 from pipeline.control.blind import TargetBlind
 from pipeline.control.outcomes import evaluation_episodes, means, outcomes, provenance
@@ -21,6 +19,8 @@ from pipeline.control.params import EvaluationSizes
 from pipeline.sim.episodes import require_episodes
 from pipeline.sim.scene import load_scene
 from pipeline.sim.worlds import Worlds
+from pipeline.storage.artefacts import write_json, writing
+from pipeline.storage.stage import entry
 
 COMPUTE = {"device": "cpu", "dtype": "float64"}  # MuJoCo's own; it is the same at any number of threads
 

@@ -8,13 +8,13 @@ import numpy as np
 
 from pipeline.baselines.motion import image_jacobian, singular_values
 from pipeline.baselines.visibility import visibility
-from pipeline.contract import zarrs
-from pipeline.contract.artefacts import write_json
-from pipeline.contract.positions import target_by_frame
-from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import load_scene
+from pipeline.storage import zarrs
+from pipeline.storage.artefacts import write_json
+from pipeline.storage.positions import target_by_frame
+from pipeline.storage.stage import entry
 
 _LEAST_PX_PER_M = 1e-9  # a motion along the line of sight projects to nothing, whose log is no number
 _STATES = 512  # of the first repeat's random episodes, evenly picked

@@ -5,16 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 from pipeline.contract import params
-from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import unknown
-from pipeline.contract.stage import entry
-from pipeline.contract.tables import read_model
 from pipeline.reporting import exports
 from pipeline.reporting.page import Made, Reference, render
 from pipeline.reporting.provenance import revision
 from pipeline.reporting.results import read_coverage, read_results
 from pipeline.reporting.tables import Alignment
 from pipeline.reporting.tried import of_these_parameters, read_tried, tried_scenes
+from pipeline.storage.artefacts import writing
+from pipeline.storage.stage import entry
+from pipeline.storage.tables import read_model
 
 
 def main(

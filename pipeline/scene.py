@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pipeline.contract.artefacts import write_json
-from pipeline.contract.stage import entry
 from pipeline.sim.scene import load_scene
+from pipeline.storage.artefacts import write_json
+from pipeline.storage.stage import entry
 
 
 def main(*, scene: str, robots: Path, out: Path) -> None:

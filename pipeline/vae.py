@@ -8,18 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.contract import params, seeds, zarrs
-from pipeline.contract.artefacts import write_json, writing
-from pipeline.contract.positions import error_by_frame, target_by_frame
-from pipeline.contract.repeats import finished, publish
-from pipeline.contract.scratch import digest_files
+from pipeline.contract import params, seeds
 from pipeline.contract.seeds import Stream
 from pipeline.contract.source import code_digest
 from pipeline.contract.split import split_episodes
-from pipeline.contract.stage import entry
 from pipeline.learning import checkpoints
 from pipeline.learning.device import Compute, set_up_torch
 from pipeline.learning.side_by_side import at_a_time, side_by_side
+from pipeline.storage import zarrs
+from pipeline.storage.artefacts import write_json, writing
+from pipeline.storage.positions import error_by_frame, target_by_frame
+from pipeline.storage.repeats import finished, publish
+from pipeline.storage.scratch import digest_files
+from pipeline.storage.stage import entry
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.params import VaeParams, VaeSizes
 from pipeline.worldmodel.pictures import read_pictures, require_pictures

@@ -12,7 +12,7 @@ from typing import Any
 
 import yaml
 
-from pipeline.contract.stage import entry
+from pipeline.storage.stage import entry
 from tests.support import ROOT
 
 SCENE, CANDIDATE = "panda_2dof", "panda_2dof-a"

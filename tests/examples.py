@@ -6,7 +6,8 @@ from functools import cache
 
 from pipeline.contract import params
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.sim.scene import Scene, load_scene
+from pipeline.sim.params import SceneParams
+from pipeline.sim.scene import Scene, compile_scene
 from tests.support import ROOT
 
 KINDS = ("align", "follow", "push")
@@ -15,7 +16,8 @@ KINDS = ("align", "follow", "push")
 @cache
 def example(kind: str) -> Scene:
     """The example scene of a task."""
-    return load_scene(f"panda_{kind}", ROOT / f"examples/tasks/{kind}.yaml")
+    name, file = f"panda_{kind}", ROOT / f"examples/tasks/{kind}.yaml"
+    return compile_scene(name, params.section(SceneParams, "scenes", name, path=file), ROOT / "params.yaml")
 
 
 def example_views(kind: str) -> dict[str, Viewpoint]:

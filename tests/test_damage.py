@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.contract import stage
+from pipeline.storage import stage
 from tests.chain import IN_ORDER, Step, files_below, steps, write_inputs
 from tests.damage import CHECKED, flips, foreign, lacking
 

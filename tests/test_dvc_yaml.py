@@ -17,7 +17,7 @@ import pytest
 import yaml
 
 from pipeline.contract.source import ROOT, modules_behind
-from pipeline.contract.stage import parser
+from pipeline.storage.stage import parser
 from tests.source import params_read_by
 
 PARAMS: dict[str, Any] = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
@@ -172,7 +172,7 @@ def test_a_branch_depends_on_its_own_number_of_repeats_and_episodes_on_their_sce
         "rollouts": [{"data/allocation.yaml": ["scenes.${key}"]}],
         "frames": [{"data/allocation.yaml": ["branches.${key}"]}],
     }
-    readers = {s for s in STAGES if "pipeline/contract/allocation.py" in modules_behind(f"pipeline/{s}.py")}
+    readers = {s for s in STAGES if "pipeline/storage/allocation.py" in modules_behind(f"pipeline/{s}.py")}
     assert readers == {"rollouts", "frames"}
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pipeline.checks.robot import alone
 from pipeline.contract import params, seeds
-from pipeline.contract.stage import entry
 from pipeline.sim.reach import search_home
 from pipeline.sim.robot_params import robot_params
+from pipeline.storage.stage import entry
 
 
 def main(*, robot: str) -> None:

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from pipeline.contract import params
 from pipeline.contract.errors import unknown
-from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import NAME, named_viewpoints
 from pipeline.control.params import ControllerParams, EvaluationSizes, SearchSizes
 from pipeline.qlearning.params import DqnParams, DqnSizes
@@ -18,6 +17,7 @@ from pipeline.sim.robot_files import robot_file
 from pipeline.sim.robot_params import RobotParams, robot_params
 from pipeline.sim.robots import build_robot
 from pipeline.stats.params import RankingParams
+from pipeline.storage.stage import entry
 from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes, VaeParams, VaeSizes
 
 METHODS: dict[str, type[params.Section]] = {

@@ -8,7 +8,6 @@ import numpy as np
 
 from pipeline.contract import params, seeds
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.stage import entry
 from pipeline.rendering.six_sides import drawn_faces, milliseconds_a_picture, write_six_sides
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.expert import Expert
@@ -18,6 +17,7 @@ from pipeline.sim.robot import arm_actuators
 from pipeline.sim.robot_params import RobotParams, robot_params
 from pipeline.sim.scene import Scene, compile_with, initial_data
 from pipeline.sim.worlds import Worlds
+from pipeline.storage.stage import entry
 
 _EPISODES = 32
 _PUSHED = 4  # frames at full push, of which the last is measured

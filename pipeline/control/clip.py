@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from pipeline.contract.artefacts import writing
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering.renderer import Renderer
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import Scene
+from pipeline.storage.artefacts import writing
 
 _SIDE = 192  # of each of the two pictures, pixels
 _QUALITY = 60  # of WebP, 0 to 100

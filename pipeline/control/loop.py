@@ -14,13 +14,13 @@ from dataclasses import dataclass, fields
 import numpy as np
 import torch
 
-from pipeline.contract.stage import WORKER
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.control.policy import Controllers
 from pipeline.rendering.renderer import Renderer
 from pipeline.sim.draws import Episodes
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds
+from pipeline.storage.stage import WORKER
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.mdnrnn import MdnRnn
 

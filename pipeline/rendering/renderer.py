@@ -17,7 +17,6 @@ import numpy as np
 import warp as wp
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.parts import places
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering import buffers, shading
 from pipeline.rendering.tracer import StaticBackground, Tracer
@@ -25,6 +24,7 @@ from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.camera import camera_to_world
 from pipeline.sim.scene import CAMERA, Scene, initial_data
 from pipeline.sim.tasks.bodies import TARGET_GROUP
+from pipeline.storage.parts import places
 
 VISIBLE_GROUPS = (0, 1, 2)
 _NO_GEOMS = range(-2, -2)

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from pipeline.contract import zarrs
-from pipeline.contract.parts import InParts
-from pipeline.contract.positions import target_by_frame
 from pipeline.contract.progress import Progress
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering.renderer import ParallelRenderer, Renderer, target_pixels_unhidden
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import Scene
+from pipeline.storage import zarrs
+from pipeline.storage.parts import InParts
+from pipeline.storage.positions import target_by_frame
 
 _LARGE = 512  # side of the picture for people, pixels
 
@@ -22,11 +22,11 @@ _LARGE = 512  # side of the picture for people, pixels
 def render(
     renderer: ParallelRenderer, store: zarrs.Store, repeat: int, progress: Progress
 ) -> dict[str, np.ndarray | InParts]:
-    """One repeat's arrays of the layout :data:`pipeline.contract.zarrs.FRAMES`; pictures are drawn in parts.
+    """One repeat's arrays of the layout :data:`pipeline.storage.zarrs.FRAMES`; pictures are drawn in parts.
 
     Args:
         renderer: renders what the viewpoint shows, targets marked.
-        store: the episodes, layout :data:`pipeline.contract.zarrs.ROLLOUTS`.
+        store: the episodes, layout :data:`pipeline.storage.zarrs.ROLLOUTS`.
         repeat: which of the store's.
         progress: is told of every picture.
     """

@@ -10,11 +10,11 @@ import mujoco
 import numpy as np
 from PIL import Image
 
-from pipeline.contract.artefacts import writing
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.rendering.buffers import visible_geoms
 from pipeline.rendering.renderer import VISIBLE_GROUPS, Renderer
 from pipeline.sim.scene import Scene, initial_data
+from pipeline.storage.artefacts import writing
 
 _SIDES = ((0, 15), (45, 30), (90, 15), (180, 15), (270, 15), (0, 85))  # θ, φ, degrees
 _SIZE = 320  # of each, pixels

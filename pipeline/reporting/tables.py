@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, computed_field
 
 from pipeline.contract.anchors import anchor_warnings
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.tables import read_model
+from pipeline.storage.tables import read_model
 
 
 class Table(BaseModel):
@@ -157,7 +157,7 @@ ViewT = TypeVar("ViewT", bound=OfView)
 def read_of_view(
     table: type[ViewT], path: Path, made_by: str, scene: str, angles_deg: tuple[float, float]
 ) -> ViewT:
-    """Reads one table of a viewpoint, as :func:`pipeline.contract.tables.read_model` does.
+    """Reads one table of a viewpoint, as :func:`pipeline.storage.tables.read_model` does.
 
     Raises:
         BelvedereError: it is of another viewpoint, besides.

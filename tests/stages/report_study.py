@@ -11,9 +11,9 @@ import polars as pl
 import yaml
 from PIL import Image, ImageDraw
 
-from pipeline.contract.artefacts import write_json
 from pipeline.reporting.results import Coverage
 from pipeline.reporting.tried import COLUMNS
+from pipeline.storage.artefacts import write_json
 from tests.stages.report_rankings import (
     BLIND,
     EXPERT,

@@ -17,10 +17,10 @@ import polars as pl
 import pytest
 
 from pipeline import report
-from pipeline.contract.artefacts import read_json, write_json
 from pipeline.contract.errors import BelvedereError
 from pipeline.reporting.numbers import at_most, interval
 from pipeline.reporting.tried import COLUMNS, parameters_digest
+from pipeline.storage.artefacts import read_json, write_json
 from tests.stages.report_page import FOLDERS, TABLES, Page, rows
 from tests.stages.report_page import build as build_page
 from tests.stages.report_study import VIEWS, write_pictures, write_study

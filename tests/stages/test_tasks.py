@@ -25,9 +25,9 @@ from pipeline import (
     vae,
 )
 from pipeline.checks.parameters import check
-from pipeline.contract import zarrs
-from pipeline.contract.positions import error_by_frame, target_by_frame
 from pipeline.sim.scene import load_scene
+from pipeline.storage import zarrs
+from pipeline.storage.positions import error_by_frame, target_by_frame
 from tests.examples import KINDS
 from tests.support import ROOT
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.contract import scratch
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage import scratch
 
 
 @pytest.fixture(autouse=True)

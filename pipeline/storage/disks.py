@@ -8,7 +8,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from pipeline.contract import scratch
+from pipeline.storage import scratch
 
 _BY_NUMBER = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 # shutil.copytree, Polars and others raise errors of their own, without a number, around the system's words

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.contract.errors import BelvedereError, unknown
-from pipeline.contract.stage import entry, parser
+from pipeline.storage.stage import entry, parser
 
 FLAGS = ["--scene", "panda_2dof", "--theta", "-45", "--out", "a folder/b"]
 

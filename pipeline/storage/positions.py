@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.contract.zarrs import Store
+from pipeline.storage.zarrs import Store
 
 
 def target_by_frame(store: Store, repeat: int) -> np.ndarray:

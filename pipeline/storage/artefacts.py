@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from pipeline.contract.disks import unwritable
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage.disks import unwritable
 
 
 @contextmanager

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.contract.artefacts import write_json, writing
-from pipeline.contract.repeats import Place, branch_metrics, finished, finished_together
+from pipeline.storage.artefacts import write_json, writing
+from pipeline.storage.repeats import Place, branch_metrics, finished, finished_together
 from tests.damage import flipped
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -91,8 +91,8 @@ def test_what_a_killed_process_left_is_removed(tmp_path: Path) -> None:
     script = textwrap.dedent("""
         import os, signal, sys
         from pathlib import Path
-        from pipeline.contract.artefacts import writing
-        from pipeline.contract.repeats import finished
+        from pipeline.storage.artefacts import writing
+        from pipeline.storage.repeats import finished
 
         def make(results, running):
             (results / "weights.pt").write_text("half")
@@ -141,7 +141,7 @@ def test_metrics_hold_the_means_over_repeats() -> None:
 SLOW_AND = """
 import pathlib, sys, time
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.stage import entry
+from pipeline.storage.stage import entry
 from pipeline.learning.side_by_side import in_processes, side_by_side
 
 what, how, failing = sys.argv[1:4]
@@ -199,7 +199,7 @@ def test_nobody_waits_for_the_other_repeats(what: str, how: str, failing: str, t
 def test_two_processes_that_want_the_same_repeat_make_it_once(tmp_path: Path) -> None:
     script = textwrap.dedent("""
         import pathlib, sys, time
-        from pipeline.contract.repeats import finished
+        from pipeline.storage.repeats import finished
 
         def make(results, running):
             with open(sys.argv[1], "a") as made:

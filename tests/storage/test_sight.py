@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.sight import read_sight
+from pipeline.storage.sight import read_sight
 
 GUESS = {"guess_tip_m": 0.2, "guess_target_m": 0.2, "guess_tip_to_target_m": 0.3}
 

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage.artefacts import read_json
 
 PARTS = {"tip": "tip_m", "target": "target_m"}
 WHOLE, WHOLE_ENTRY = "tip - target", "tip_to_target_m"

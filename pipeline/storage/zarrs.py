@@ -16,11 +16,11 @@ import numpy as np
 import zarr
 from zarr.codecs import ZstdCodec
 
-from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.layouts import FRAMES, LATENTS, ROLLOUTS, TASK, Column, Schema
-from pipeline.contract.parts import InParts, parts
-from pipeline.contract.zarr_checks import check_shapes, metadata_digest
+from pipeline.storage.artefacts import writing
+from pipeline.storage.layouts import FRAMES, LATENTS, ROLLOUTS, TASK, Column, Schema
+from pipeline.storage.parts import InParts, parts
+from pipeline.storage.zarr_checks import check_shapes, metadata_digest
 
 __all__ = ["FRAMES", "LATENTS", "ROLLOUTS", "TASK", "Column", "Schema", "Store", "place", "write"]
 

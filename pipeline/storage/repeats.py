@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.contract import scratch, zarrs
-from pipeline.contract.artefacts import aside_of, read_json, remove_leftovers, write_json, writing
-from pipeline.contract.manifest import mismatch, write_manifest
+from pipeline.storage import scratch, zarrs
+from pipeline.storage.artefacts import aside_of, read_json, remove_leftovers, write_json, writing
+from pipeline.storage.manifest import mismatch, write_manifest
 
 REPEAT = "repeat.zarr"  # of a store, in the folder of a repeat's results
 
@@ -33,7 +33,7 @@ def finished(stage: str, repeat: int, make: Callable[[Path, Path], None], **cach
         make: called as ``make(results, running)`` where nothing is finished yet; writes its results
             into the folder ``results`` and, as it goes, checkpoints into the folder ``running``,
             where it finds them again after it was killed.
-        **cache_key: JSON-able values that decide the result (see :func:`pipeline.contract.scratch.folder`).
+        **cache_key: JSON-able values that decide the result (see :func:`pipeline.storage.scratch.folder`).
 
     Returns:
         A folder that is complete and must not be changed.

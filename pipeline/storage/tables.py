@@ -9,8 +9,8 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage.artefacts import read_json
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 

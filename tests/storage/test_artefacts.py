@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.contract.artefacts import read_json, write_json, writing
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage.artefacts import read_json, write_json, writing
 
 
 def test_a_failure_leaves_the_former_file_and_nothing_beside_it(tmp_path: Path) -> None:

@@ -13,9 +13,9 @@ import yaml
 from pydantic import Field
 
 from pipeline.contract import params
-from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint
+from pipeline.storage.artefacts import writing
 
 ALLOCATION_FILE = Path("data/allocation.yaml")
 Count = Annotated[int, Field(ge=1, le=params.MOST_REPEATS)]

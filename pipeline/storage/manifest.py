@@ -5,8 +5,8 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from pipeline.contract.artefacts import read_json, write_json
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage.artefacts import read_json, write_json
 
 _FILE = "manifest.json"
 

@@ -19,12 +19,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from pipeline.contract import scratch
-from pipeline.contract.artefacts import write_json
-from pipeline.contract.disks import cache_sentence, unwritable
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.lifetime import STAGE_VARIABLE
 from pipeline.contract.machine import cores, processor
+from pipeline.storage import scratch
+from pipeline.storage.artefacts import write_json
+from pipeline.storage.disks import cache_sentence, unwritable
 
 WORKER = "worker"  # what the names of threads begin with for which an ending process must not wait
 

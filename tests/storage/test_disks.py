@@ -16,10 +16,10 @@ import polars as pl
 import pytest
 from PIL import Image
 
-from pipeline.contract.artefacts import writing
-from pipeline.contract.disks import unwritable
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.stage import entry
+from pipeline.storage.artefacts import writing
+from pipeline.storage.disks import unwritable
+from pipeline.storage.stage import entry
 
 ROOT = Path(__file__).resolve().parents[2]
 FULL = Path("/dev/full")

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.contract.allocation import (
+from pipeline.contract.errors import BelvedereError
+from pipeline.storage.allocation import (
     ALLOCATION_FILE,
     Allocation,
     Entry,
@@ -15,7 +16,6 @@ from pipeline.contract.allocation import (
     scene_repeats,
     write_allocation,
 )
-from pipeline.contract.errors import BelvedereError
 
 PARAMS = "{seed: 7, budget: small, budgets: {small: {race: {first: 2, most: 9}}}}"
 VIEW = {"scene": "near", "theta": 30.0, "phi": 7.5}

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.contract import zarrs
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.parts import InParts
+from pipeline.storage import zarrs
+from pipeline.storage.parts import InParts
 from tests.damage import flipped
 from tests.stores import write_store
 
