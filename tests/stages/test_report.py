@@ -156,6 +156,17 @@ def test_lengths_are_written_in_centimetres(build: Build) -> None:
     assert ">7.7<" in build()
 
 
+def test_anchors_that_make_a_ranking_say_little_are_told_in_a_sentence(html: str, build: Build) -> None:
+    little, missed = "sight has little to give", "the expert comes within 2 cm in only 80%"
+    assert not any(words in Page(html).text for words in (little, missed))
+    path = Path("reports/anchors/panda_2dof.json")
+    content = json.loads(path.read_text())
+    close = content["expert_mean"] - 0.1 * (content["expert_mean"] - content["no_op_mean"])
+    write_json(path, {**content, "blind_mean": close, "expert_within_2cm_share_mean": 0.8})
+    text = Page(build()).text
+    assert text.count(little) == text.count(missed) == 1
+
+
 def test_absent_pictures_are_named_with_the_stage_that_makes_them(build: Build) -> None:
     for name in ("view/view.png", "view/view_64.png", "reconstructions.png", "clip.webp"):
         Path("reports/pictures/fetch_reach-b", name).unlink()
