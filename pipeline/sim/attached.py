@@ -68,15 +68,12 @@ def attached(name: str, declared: RobotParams, file: Path) -> tuple[mujoco.MjSpe
 
 def _read(name: str, file: Path) -> tuple[mujoco.MjSpec, list[Path]]:
     """The file's spec, whose bodies, joints, actuators and keys all have names, and the files it takes."""
-    try:
-        if file.suffix.lower() == ".urdf":
-            text, files = urdf_text(name, file)
-            spec = mujoco.MjSpec.from_string(text)
-        else:
-            files = files_read(name, file)
-            spec = mujoco.MjSpec.from_file(str(file))
-    except ValueError as error:
-        raise _unreadable(name, file, error) from None
+    if file.suffix.lower() == ".urdf":
+        text, files = urdf_text(name, file)
+        spec = mujoco.MjSpec.from_string(text)
+    else:
+        files = files_read(name, file)
+        spec = mujoco.MjSpec.from_file(str(file))
     for kind in ("body", "joint", "actuator", "key"):
         for number, element in enumerate(getattr(spec, "bodies" if kind == "body" else f"{kind}s")):
             element.name = element.name or f"{kind}_{number}"
@@ -86,17 +83,10 @@ def _read(name: str, file: Path) -> tuple[mujoco.MjSpec, list[Path]]:
 
 def _compiled(name: str, file: Path, spec: mujoco.MjSpec) -> mujoco.MjModel:
     """The model of the file by itself."""
-    try:
-        model = spec.compile()
-    except ValueError as error:
-        raise _unreadable(name, file, error) from None
+    model = spec.compile()
     if not model.njnt:
         raise BelvedereError(f"robot {name}: {file.name} holds no joint, so nothing in it can move.")
     return model
-
-
-def _unreadable(name: str, file: Path, error: ValueError) -> BelvedereError:
-    return BelvedereError(f"robot {name}: MuJoCo cannot read {file}: {' '.join(str(error).split())}.")
 
 
 def _tip_body(name: str, file: Path, spec: mujoco.MjSpec, tip: Tip) -> mujoco.MjsBody:

@@ -80,6 +80,11 @@ def require(path: Path, what: str) -> None:
     raise BelvedereError(f"{what} is missing: there is no {path}; {there} has {shown or 'nothing'}.")
 
 
+def unreadable(name: str, file: Path, error: ValueError) -> BelvedereError:
+    """What to say of a file with which MuJoCo finds fault."""
+    return BelvedereError(f"robot {name}: MuJoCo cannot read {file}: {' '.join(str(error).split())}.")
+
+
 def read_xml(name: str, path: Path) -> ElementTree.Element:
     """The root element of an XML file; undeclared prefixes, as in many URDFs, are taken as names.
 

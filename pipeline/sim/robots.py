@@ -9,7 +9,7 @@ import mujoco
 
 from pipeline.sim.attached import attached
 from pipeline.sim.robot import Robot
-from pipeline.sim.robot_files import robot_file
+from pipeline.sim.robot_files import robot_file, unreadable
 from pipeline.sim.robot_params import RobotParams
 from pipeline.sim.wheel_robots import fetch_reach, kitchen_panda
 
@@ -32,7 +32,11 @@ def build_robot(name: str, declared: RobotParams, root: Path) -> tuple[mujoco.Mj
     Raises:
         BelvedereError: the file is missing, or does not fit the declaration.
     """
-    return BUILDERS[declared.build](name, declared, robot_file(name, declared.file, root))
+    file = robot_file(name, declared.file, root)
+    try:
+        return BUILDERS[declared.build](name, declared, file)
+    except ValueError as error:
+        raise unreadable(name, file, error) from None
 
 
 def limit_contacts(spec: mujoco.MjSpec, robot: Robot) -> None:

@@ -16,6 +16,7 @@ _FINGER_RGBA = (0.25, 0.25, 0.27, 1.0)  # the real Panda's hand and fingers are 
 # The kitchen's Panda makes 15 mm a frame at full push; half damped about 25, nearer to Fetch's 33.
 _PANDA_DAMPING_SHARE = 0.5
 _PANDA_TOUCHES = ("link5", "link6", "link7", "leftfinger", "rightfinger")
+_FETCH_MOCAP = "robot0:mocap"
 _FETCH_TOUCHES = (
     "elbow_flex_link",
     "forearm_roll_link",
@@ -73,7 +74,7 @@ def fetch_reach(name: str, declared: RobotParams, file: Path) -> tuple[mujoco.Mj
         spec.delete(texture)
     for weld in spec.equalities:  # the gripper's body coincides with the mocap body
         weld.data[3:10] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
-    for geom in spec.body("robot0:mocap").geoms:
+    for geom in found(name, file, "mocap body", _FETCH_MOCAP, spec.bodies[1:]).geoms:
         geom.group = HIDDEN_GROUP
     _add_tip(name, file, spec, declared)
     robot = Robot(
@@ -84,7 +85,7 @@ def fetch_reach(name: str, declared: RobotParams, file: Path) -> tuple[mujoco.Mj
         arm=(),
         touching=frozenset(f"robot0:{body}" for body in _FETCH_TOUCHES),
         files=tuple(files_read(name, file)),
-        mocap="robot0:mocap",
+        mocap=_FETCH_MOCAP,
         settle=settle_fetch,
     )
     return spec, robot
@@ -109,7 +110,7 @@ def settle_fetch(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         data.joint(joint).qpos[:] = value
     mujoco.mj_forward(model, data)
     grip = data.site(TIP).xpos.copy()
-    mocap = model.body("robot0:mocap").mocapid[0]
+    mocap = model.body(_FETCH_MOCAP).mocapid[0]
     data.mocap_pos[mocap] = grip + np.array([-0.498, 0.005, -0.431 + 0.2])
     data.mocap_quat[mocap] = UPRIGHT
     mujoco.mj_step(model, data, nstep=200)

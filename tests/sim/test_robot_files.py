@@ -221,3 +221,17 @@ def test_declarations_that_are_not_valid_are_told(changes: dict[str, Any], told:
 def test_the_shortest_declaration_is_file_and_tip(tmp_path: Path) -> None:
     arm = scene(tmp_path, robot(tmp_path, **{key: arms.JACO[key] for key in ("file", "tip")}))
     assert len(arm.robot.arm) == 6
+
+
+@pytest.mark.parametrize(
+    ("build", "actuators", "told"),
+    [
+        ("kitchen_panda", "own", "assets.xml, which belongs to robots/arm.xml, is missing"),
+        ("fetch_reach", "weld", "mocap body .* unknown"),
+    ],
+)
+def test_files_that_a_builder_does_not_know_are_told(
+    build: str, actuators: str, told: str, tmp_path: Path
+) -> None:
+    with pytest.raises(BelvedereError, match=told):
+        scene(tmp_path, robot(tmp_path, mjcf(), build=build, drive={"actuators": actuators}))
