@@ -128,7 +128,7 @@ def test_plots_say_the_tables_numbers(html: str, study: Path) -> None:
 
 def test_scenes_stand_in_the_order_of_params_and_one_not_ranked_is_named(build: Build) -> None:
     Path("params.yaml").write_text(
-        Path("params.yaml").read_text().replace("scenes:\n", "scenes:\n  panda_1dof: {frames: 50}\n")
+        Path("params.yaml").read_text().replace("\nscenes:\n", "\nscenes:\n  panda_1dof: {frames: 50}\n")
     )
     page = Page(build())
     places = [name for name in page.values("id") if name.startswith("scene-")]
