@@ -14,6 +14,7 @@ from pipeline.contract.machine import cores
 from pipeline.control.policy import Controllers
 from pipeline.rendering.renderer import ParallelRenderer
 from pipeline.sim.draws import draw_episodes
+from pipeline.sim.worlds import target_paths
 
 ROUNDS = 5
 GOAL = 0.85  # while rendering is the bound: what bounds it, the profile says
@@ -34,7 +35,7 @@ def measure_scene(chosen: Setting) -> Row:
     controllers = Controllers.of(candidates(scene, WORLDS), scene.action_size)
     trace = loop.run(controllers, episodes)  # also the first call, which compiles
     seen = trace.qpos[:, :-1].reshape(-1, trace.qpos.shape[2])  # the states that the closed loop rendered
-    targets = np.repeat(episodes.target_m, scene.frames, axis=0)
+    targets = target_paths(scene, episodes)[:, :-1].reshape(-1, 3)
     renderer.render(seen[:WORLDS], targets[:WORLDS], drawn=lambda count: None)
     ours, peer = [], []
     for _ in range(ROUNDS):

@@ -22,8 +22,8 @@ from pipeline.control.policy import FEATURES
 from pipeline.rendering.renderer import model_seen_from
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.draws import Episodes
+from pipeline.sim.environment import environment
 from pipeline.sim.scene import CAMERA
-from pipeline.sim.task import environment
 from pipeline.worldmodel.mdnrnn import UNITS, MdnRnn
 from pipeline.worldmodel.vae import LATENTS
 

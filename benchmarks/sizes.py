@@ -28,11 +28,11 @@ import yaml
 
 from benchmarks.rows import Row, side_tables
 from benchmarks.training import ROOT, command, give_repeats
-from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import CORES_VARIABLE
-from pipeline.contract.scratch import ENVIRONMENT_VARIABLE
-from pipeline.contract.stage import parser
+from pipeline.storage.artefacts import read_json
+from pipeline.storage.scratch import ENVIRONMENT_VARIABLE
+from pipeline.storage.stage import parser
 
 KEY = "sizes"  # the branch's name
 PARTS = ("rollouts", "frames", "vae", "latents", "mdnrnn", "controller", "evaluation")

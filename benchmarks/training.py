@@ -19,9 +19,9 @@ from typing import Any
 import yaml
 
 from benchmarks.rows import AT_MOST, Row, goal_row
-from pipeline.contract.allocation import ALLOCATION_FILE, Allocation, write_allocation
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import cores
+from pipeline.storage.allocation import ALLOCATION_FILE, Allocation, write_allocation
 
 ROOT = Path(__file__).resolve().parents[1]
 BRANCH = "panda_2dof-a"
@@ -73,10 +73,10 @@ def give_repeats(folder: Path, tree: dict[str, Any], repeats: int) -> None:
 def command(stage: str, branch: str, view: dict[str, Any]) -> list[str]:
     """The words that stand behind ``python`` in the stage's command for a branch, as dvc.yaml has it."""
     # a stage of a scene is given the scene's name, one of a branch its key and its viewpoint
-    values: dict[str, Any] = {"item": view["scene"], "key": branch}
-    values |= {f"item.{name}": value for name, value in view.items()}
-    text = _read("dvc.yaml")["stages"][stage]["do"]["cmd"]
-    filled = re.sub(r"\$\{([^}]+)\}", lambda found: str(values[found[1]]), text)
+    form = _read("dvc.yaml")["stages"][stage]
+    values: dict[str, Any] = {f"item.{name}": value for name, value in view.items()}
+    values["key"] = view["scene"] if form["foreach"] == "${scenes}" else branch
+    filled = re.sub(r"\$\{([^}]+)\}", lambda found: str(values[found[1]]), form["do"]["cmd"])
     program, *arguments = shlex.split(filled)
     if program != "python":
         raise ValueError(f"stage {stage} starts {program}")

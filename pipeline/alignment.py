@@ -8,11 +8,11 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from pipeline.contract import params
-from pipeline.contract.artefacts import write_json
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.stage import entry
-from pipeline.contract.tables import read_model, read_rows
 from pipeline.stats.alignment import Ranking, Trial, agreements, compare
+from pipeline.storage.artefacts import write_json
+from pipeline.storage.stage import entry
+from pipeline.storage.tables import read_model, read_rows
 
 
 def main(*, subjects: Path, rankings: Path, out: Path) -> None:

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
 import polars as pl
 
 from pipeline.contract import params, seeds
-from pipeline.contract.artefacts import write_json, writing
+from pipeline.contract.anchors import anchor_warnings
 from pipeline.contract.machine import cores
 from pipeline.contract.seeds import Stream
-from pipeline.contract.stage import entry
-from pipeline.control.anchors import expert, heading_for, nothing, play
+from pipeline.control.anchors import expert, nothing, play
 from pipeline.control.blind import TargetBlind
 from pipeline.control.outcomes import evaluation_episodes, means, outcomes, provenance
 from pipeline.control.params import EvaluationSizes
 from pipeline.sim.episodes import require_episodes
 from pipeline.sim.scene import load_scene
 from pipeline.sim.worlds import Worlds
+from pipeline.storage.artefacts import write_json, writing
+from pipeline.storage.stage import entry
 
 COMPUTE = {"device": "cpu", "dtype": "float64"}  # MuJoCo's own; it is the same at any number of threads
 
@@ -35,17 +37,22 @@ def main(*, scene: str, out: Path, metrics: Path) -> None:
     )
     with writing(out) as aside:
         table.write_parquet(aside)
-    write_json(metrics, {"scene": scene, **means(table, _levels), "provenance": provenance(COMPUTE)})
+    found = means(table, _levels)
+    write_json(metrics, {"scene": scene, **found, "provenance": provenance(COMPUTE)})
+    levels = ("no_op_mean", "blind_mean", "expert_mean", "expert_within_2cm_share_mean")
+    for warning in anchor_warnings(scene, *(found[name] for name in levels)):
+        print(f"warning: {warning}", file=sys.stderr)
 
 
 def measured(worlds: Worlds, repeat: int, target_blind: TargetBlind) -> pl.DataFrame:
     """One repeat's evaluation episodes, under each policy."""
     scene = worlds.scene
     episodes = evaluation_episodes(scene, worlds.count, params.seed(), repeat)
-    blind = heading_for(scene, target_blind.goals(episodes.start_m))
+    blind = target_blind.policy(episodes.start_m)
     parts = []
     for name, policy in {"no_op": nothing, "blind": blind, "expert": expert(scene)}.items():
-        rows = outcomes(repeat, episodes, *play(worlds, episodes, policy))
+        played = play(worlds, episodes, policy)
+        rows = outcomes(repeat, scene.task, episodes, played.error_m, played.reward)
         parts.append(rows.select(pl.lit(name).alias("anchor"), pl.all()))
     return pl.concat(parts)
 

@@ -10,13 +10,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.contract import params, scratch, zarrs
-from pipeline.contract.artefacts import writing
+from pipeline.contract import params
 from pipeline.contract.machine import cores
-from pipeline.contract.repeats import Place, finished_together
 from pipeline.contract.source import code_digest
 from pipeline.contract.split import split_episodes
-from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.first import Experience
 from pipeline.control.jobs import Networks
@@ -26,6 +23,10 @@ from pipeline.control.search import Repeat, search_controllers, search_sizes
 from pipeline.control.searched import curves, gather_controllers, save_search
 from pipeline.learning.device import set_up_torch
 from pipeline.sim.scene import Scene, load_scene
+from pipeline.storage import scratch, zarrs
+from pipeline.storage.artefacts import writing
+from pipeline.storage.repeats import Place, finished_together
+from pipeline.storage.stage import entry
 
 READ = ("mean", "action", "reward")
 Models = tuple[Path, Path]
@@ -74,7 +75,7 @@ def evolve_repeats(
 
     common: dict[str, Any] = {"code": code_digest("controller"), "machine": place.facts(), "seed": seed}
     common |= {"method": method.model_dump(), "sizes": sizes.model_dump(), "heldout_share": share}
-    common |= {"scene": scene.params.model_dump(), "view": view.model_dump()}
+    common |= {"scene": scene.cache_key, "view": view.model_dump()}
     inputs = [scratch.digest_files([latents.place(r), *models[r]]) for r in range(len(models))]
     return finished_together("controller", {r: {**common, "inputs": i} for r, i in enumerate(inputs)}, make)
 

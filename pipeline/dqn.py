@@ -9,12 +9,9 @@ from typing import Any
 import polars as pl
 
 from pipeline.contract import params, seeds
-from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.machine import cores
-from pipeline.contract.repeats import finished
 from pipeline.contract.seeds import Stream
 from pipeline.contract.source import code_digest
-from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.outcomes import evaluation_episodes, means, provenance
 from pipeline.control.params import EvaluationSizes
@@ -29,6 +26,9 @@ from pipeline.qlearning.trial import tried
 from pipeline.rendering.visibility import refuse_hidden_targets
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene, load_scene
+from pipeline.storage.artefacts import write_json, writing
+from pipeline.storage.repeats import finished
+from pipeline.storage.stage import entry
 
 
 def main(*, scene: str, theta: float, phi: float, out: Path, curve: Path, metrics: Path) -> None:
@@ -68,7 +68,7 @@ def train_repeat(scene: Scene, view: Viewpoint, method: DqnParams, sizes: DqnSiz
 
     cache_key: dict[str, Any] = {"code": code_digest("dqn"), "seed": seed, "evaluated": count}
     cache_key |= {"method": method.model_dump(), "sizes": sizes.model_dump(exclude={"repeats"})}
-    cache_key |= {"machine": place.facts(), "scene": scene.params.model_dump(), "view": view.model_dump()}
+    cache_key |= {"machine": place.facts(), "scene": scene.cache_key, "view": view.model_dump()}
     return finished("dqn", repeat, make, **cache_key)
 
 

@@ -9,13 +9,10 @@ from typing import Any
 
 import polars as pl
 
-from pipeline.contract import params, scratch
-from pipeline.contract.artefacts import write_json, writing
+from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import cores
-from pipeline.contract.repeats import Place, finished_together
 from pipeline.contract.source import code_digest
-from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.control.jobs import Networks
 from pipeline.control.loops import closed_loops
@@ -26,6 +23,10 @@ from pipeline.control.trial import CLIP, OUTCOMES, numbers, try_out
 from pipeline.learning.device import Compute, set_up_torch
 from pipeline.sim.episodes import require_episodes
 from pipeline.sim.scene import Scene, load_scene
+from pipeline.storage import scratch
+from pipeline.storage.artefacts import write_json, writing
+from pipeline.storage.repeats import Place, finished_together
+from pipeline.storage.stage import entry
 
 
 def main(
@@ -70,7 +71,7 @@ def evaluate(scene: Scene, view: Viewpoint, place: Compute, models: Sequence[Seq
         try_out(loops, view, flat, episodes, {r: where.results for r, where in places.items()})
 
     common: dict[str, Any] = {"code": code_digest("evaluation"), "machine": place.facts(), "seed": seed}
-    common |= {"scene": scene.params.model_dump(), "view": view.model_dump(), "episodes": count}
+    common |= {"scene": scene.cache_key, "view": view.model_dump(), "episodes": count}
     inputs = [scratch.digest_files(files) for files in models]
     return finished_together("evaluation", {r: {**common, "inputs": i} for r, i in enumerate(inputs)}, make)
 

@@ -8,26 +8,26 @@ from typing import Any
 
 import mujoco
 
-from pipeline.contract import zarrs
-from pipeline.contract.allocation import branch_repeats
-from pipeline.contract.artefacts import writing
 from pipeline.contract.machine import cores
 from pipeline.contract.progress import Progress
-from pipeline.contract.repeats import REPEAT, finished, publish_store
-from pipeline.contract.scratch import digest_files
 from pipeline.contract.source import code_digest
-from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.rendering.renderer import ParallelRenderer
 from pipeline.rendering.replay import render, write_pictures
 from pipeline.rendering.visibility import refuse_hidden_targets
 from pipeline.sim.scene import Scene, load_scene
+from pipeline.storage import zarrs
+from pipeline.storage.allocation import branch_repeats
+from pipeline.storage.artefacts import writing
+from pipeline.storage.repeats import REPEAT, finished, publish_store
+from pipeline.storage.scratch import digest_files
+from pipeline.storage.stage import entry
 
 
 def main(
     *, branch: str, scene: str, theta: float, phi: float, rollouts: Path, out: Path, picture: Path
 ) -> None:
-    """Writes the frames' store (layout :data:`pipeline.contract.zarrs.FRAMES`) and two pictures of the view.
+    """Writes the frames' store (layout :data:`pipeline.storage.zarrs.FRAMES`) and two pictures of the view.
 
     ``rollouts`` is what stage rollouts says of the episodes; their store is the folder of the same name
     beside it. ``picture`` becomes a folder with ``view.png`` (for people) and ``view_64.png`` (64 × 64, as
@@ -67,7 +67,7 @@ class Studio:
                 zarrs.write(results / REPEAT, zarrs.FRAMES, arrays, facts)
 
         cache_key: dict[str, Any] = {"inputs": digest_files([store.place(repeat)]), "facts": facts}
-        cache_key |= {"code": code_digest("frames"), "scene": self._scene.params.model_dump()}
+        cache_key |= {"code": code_digest("frames"), "scene": self._scene.cache_key}
         return finished("frames", repeat, make, **cache_key)
 
 

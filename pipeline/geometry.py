@@ -8,12 +8,13 @@ import numpy as np
 
 from pipeline.baselines.motion import image_jacobian, singular_values
 from pipeline.baselines.visibility import visibility
-from pipeline.contract import zarrs
-from pipeline.contract.artefacts import write_json
-from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import load_scene
+from pipeline.storage import zarrs
+from pipeline.storage.artefacts import write_json
+from pipeline.storage.positions import target_by_frame
+from pipeline.storage.stage import entry
 
 _LEAST_PX_PER_M = 1e-9  # a motion along the line of sight projects to nothing, whose log is no number
 _STATES = 512  # of the first repeat's random episodes, evenly picked
@@ -24,7 +25,7 @@ def main(*, scene: str, theta: float, phi: float, rollouts: Path, out: Path) -> 
     compiled, view = load_scene(scene), viewpoint(scene, theta, phi)
     store = zarrs.Store(rollouts.with_suffix(""), zarrs.ROLLOUTS, f"rollouts@{scene}")
     qpos, tip = store.repeat("qpos", 0), store.repeat("tip", 0)
-    target = np.repeat(store.repeat("target", 0)[:, None], tip.shape[1], axis=1)
+    target = target_by_frame(store, 0)
     picked = np.unique(np.linspace(0, tip.shape[0] * tip.shape[1] - 1, _STATES).astype(int))
     qpos, tip, target = (a.reshape(-1, a.shape[-1])[picked] for a in (qpos, tip, target))
     values = singular_values(image_jacobian(compiled, view, tip.astype(np.float64), PICTURE_SIZE))

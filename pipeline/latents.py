@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.contract import zarrs
-from pipeline.contract.parts import places
-from pipeline.contract.repeats import REPEAT, finished, publish_store
-from pipeline.contract.scratch import digest_files
 from pipeline.contract.source import code_digest
-from pipeline.contract.stage import entry
 from pipeline.learning.device import Compute, set_up_torch
 from pipeline.learning.side_by_side import side_by_side
+from pipeline.storage import zarrs
+from pipeline.storage.parts import places
+from pipeline.storage.repeats import REPEAT, finished, publish_store
+from pipeline.storage.scratch import digest_files
+from pipeline.storage.stage import entry
 from pipeline.worldmodel.encoder import BATCH, Encoder
 from pipeline.worldmodel.vae import LATENTS, load_vae
 

@@ -7,16 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.contract import params, seeds, zarrs
-from pipeline.contract.artefacts import write_json
-from pipeline.contract.repeats import finished, publish
-from pipeline.contract.scratch import digest_files
+from pipeline.contract import params, seeds
 from pipeline.contract.seeds import Stream
 from pipeline.contract.source import code_digest
 from pipeline.contract.split import split_episodes
-from pipeline.contract.stage import entry
 from pipeline.learning.device import Compute, set_up_torch
 from pipeline.learning.side_by_side import side_by_side
+from pipeline.storage import zarrs
+from pipeline.storage.artefacts import write_json
+from pipeline.storage.repeats import finished, publish
+from pipeline.storage.scratch import digest_files
+from pipeline.storage.stage import entry
 from pipeline.worldmodel.mdnrnn import save_mdnrnn
 from pipeline.worldmodel.mdnrnn_training import Sequences, fit, sequences
 from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes

@@ -11,10 +11,8 @@ from pathlib import Path
 import polars as pl
 
 from pipeline.contract import params
-from pipeline.contract.artefacts import write_json, writing
 from pipeline.contract.declared import check_viewpoints
 from pipeline.contract.errors import unknown
-from pipeline.contract.stage import entry
 from pipeline.stats import content
 from pipeline.stats.answer import answer
 from pipeline.stats.baselines import compare
@@ -28,6 +26,8 @@ from pipeline.stats.ranks import rank
 from pipeline.stats.replay import replay
 from pipeline.stats.tails import tail
 from pipeline.stats.words import progress, sentence
+from pipeline.storage.artefacts import write_json, writing
+from pipeline.storage.stage import entry
 
 MIX_VARIABLE = "BELVEDERE_MIX"  # an environment variable: where a result was made is no parameter
 

@@ -5,10 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from pipeline.contract import params
-from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import unknown
-from pipeline.contract.stage import entry
-from pipeline.contract.tables import read_model
 from pipeline.reporting import exports
 from pipeline.reporting.page import Made, Reference, render
 from pipeline.reporting.provenance import revision
@@ -16,6 +13,9 @@ from pipeline.reporting.record import read_record
 from pipeline.reporting.results import read_coverage, read_results
 from pipeline.reporting.tables import Alignment
 from pipeline.reporting.tried import of_these_parameters, read_tried, tried_scenes
+from pipeline.storage.artefacts import writing
+from pipeline.storage.stage import entry
+from pipeline.storage.tables import read_model
 
 
 def main(
@@ -72,8 +72,10 @@ def _parameters() -> dict[str, object]:
 
 def _random_frames() -> dict[str, int]:
     """By scene, the frames of a repeat's random episodes."""
-    episodes = params.value("budgets")[params.value("budget")]["rollouts"]["episodes"]
-    return {name: episodes * scene["frames"] for name, scene in params.value("scenes").items()}
+    sizes = params.value("budgets")[params.budget()]["rollouts"]
+    named = sizes.get("scenes", {})
+    scenes = params.value("scenes")
+    return {s: (sizes | named.get(s, {}))["episodes"] * scenes[s]["frames"] for s in scenes}
 
 
 if __name__ == "__main__":

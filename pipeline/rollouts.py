@@ -7,22 +7,23 @@ from typing import Any
 
 import mujoco
 
-from pipeline.contract import params, seeds, zarrs
-from pipeline.contract.allocation import scene_repeats
-from pipeline.contract.artefacts import write_json
+from pipeline.contract import params, seeds
 from pipeline.contract.progress import Progress
-from pipeline.contract.repeats import REPEAT, finished, publish_store
-from pipeline.contract.scratch import digest_files
 from pipeline.contract.source import code_digest
-from pipeline.contract.stage import entry
 from pipeline.sim.episodes import require_episodes
 from pipeline.sim.exploration import roll
 from pipeline.sim.params import ExplorationParams, RolloutSizes
 from pipeline.sim.scene import Scene, load_scene
+from pipeline.storage import zarrs
+from pipeline.storage.allocation import scene_repeats
+from pipeline.storage.artefacts import write_json
+from pipeline.storage.repeats import REPEAT, finished, publish_store
+from pipeline.storage.scratch import digest_files
+from pipeline.storage.stage import entry
 
 
 def main(*, scene: str, out: Path, store: Path) -> None:
-    """Writes the store of episodes (layout :data:`pipeline.contract.zarrs.ROLLOUTS`), and ``out``, which says
+    """Writes the store of episodes (layout :data:`pipeline.storage.zarrs.ROLLOUTS`), and ``out``, which says
     which episodes they are.
 
     Viewpoints depend on ``out`` only. It holds a hash of the repeats that every viewpoint has, so that it is
@@ -50,7 +51,7 @@ def draw_repeat(scene: Scene, repeat: int) -> Path:
 
     cache_key: dict[str, Any] = {"code": code_digest("rollouts"), "seed": seed, "facts": facts}
     cache_key |= {
-        "scene": scene.params.model_dump(),
+        "scene": scene.cache_key,
         "sizes": sizes.model_dump(),
         "process": process.model_dump(),
     }

@@ -8,17 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.contract import params, seeds, zarrs
-from pipeline.contract.artefacts import write_json, writing
-from pipeline.contract.repeats import finished, publish
-from pipeline.contract.scratch import digest_files
+from pipeline.contract import params, seeds
 from pipeline.contract.seeds import Stream
 from pipeline.contract.source import code_digest
 from pipeline.contract.split import split_episodes
-from pipeline.contract.stage import entry
 from pipeline.learning import checkpoints
 from pipeline.learning.device import Compute, set_up_torch
 from pipeline.learning.side_by_side import at_a_time, side_by_side
+from pipeline.storage import zarrs
+from pipeline.storage.artefacts import write_json, writing
+from pipeline.storage.positions import error_by_frame, target_by_frame
+from pipeline.storage.repeats import finished, publish
+from pipeline.storage.scratch import digest_files
+from pipeline.storage.stage import entry
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.params import VaeParams, VaeSizes
 from pipeline.worldmodel.pictures import read_pictures, require_pictures
@@ -26,7 +28,7 @@ from pipeline.worldmodel.probes import Labelled, label, probe
 from pipeline.worldmodel.reconstructions import write_reconstructions
 from pipeline.worldmodel.vae_training import fit
 
-READ = ("tip", "target", "target_pixels", "target_pixels_free")
+READ = ("tip", "target_pixels", "target_pixels_free")
 
 
 def main(*, frames: Path, out: Path, metrics: Path, picture: Path) -> None:
@@ -49,6 +51,7 @@ def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
 
     def make(results: Path, running: Path) -> None:
         arrays = {name: store.repeat(name, repeat) for name in READ}
+        arrays |= {"target": target_by_frame(store, repeat), "error": error_by_frame(store, repeat)}
         training, heldout = split_episodes(len(arrays["tip"]), share)
         draws, what = seeds.integer(seed, repeat, Stream.VAE), f"vae, repeat {repeat}"
         seen, unseen = (
@@ -58,8 +61,8 @@ def train_repeat(store: zarrs.Store, repeat: int, place: Compute) -> Path:
         encoder = Encoder(vae, place)
 
         def labelled(pictures: np.ndarray, episodes: np.ndarray) -> Labelled:
-            tip = arrays["tip"][episodes, :: sizes.frame_stride]
-            return label(encoder(pictures), tip, arrays["target"][episodes])
+            kept = (arrays[n][episodes, :: sizes.frame_stride] for n in ("tip", "target", "error"))
+            return label(encoder(pictures), *kept)
 
         probing = seeds.integer(seed, repeat, Stream.PROBES)
         numbers |= probe(labelled(seen, training), labelled(unseen, heldout), method.probes, probing)

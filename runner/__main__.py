@@ -10,10 +10,11 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from pipeline.contract import params, scratch
+from pipeline.contract import params
 from pipeline.contract.declared import branches, check_viewpoints
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.machine import CORES_VARIABLE, cores
+from pipeline.storage import scratch
 from runner.dvc import read_faster
 from runner.lock import check_lock
 from runner.messages import announcement, answers

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from pipeline.contract.allocation import ALLOCATION_FILE
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage.allocation import ALLOCATION_FILE
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,15 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from pipeline.contract import params
-from pipeline.contract.allocation import (
+from pipeline.contract.errors import BelvedereError
+from pipeline.contract.viewpoints import named_viewpoints
+from pipeline.storage.allocation import (
     ALLOCATION_FILE,
     Allocation,
     Entry,
     read_allocation,
     write_allocation,
 )
-from pipeline.contract.errors import BelvedereError
-from pipeline.contract.viewpoints import named_viewpoints
 from runner.plan import Job, Pipeline, jobs
 from runner.rankings import read_ranking
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, PositiveInt
 
-from pipeline.contract.tables import read_model
+from pipeline.storage.tables import read_model
 
 RANKINGS = Path("reports/rankings")
 

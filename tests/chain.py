@@ -12,13 +12,25 @@ from typing import Any
 
 import yaml
 
-from pipeline.contract.stage import entry
+from pipeline.storage.stage import entry
 from tests.support import ROOT
 
 SCENE, CANDIDATE = "panda_2dof", "panda_2dof-a"
 STAGES: dict[str, Any] = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
+SCENES = ("data", "scenes")
 IN_ORDER = (
-    *("rollouts", "anchors", "frames", "geometry", "vae", "latents", "mdnrnn", "controller", "evaluation"),
+    *(
+        "scene",
+        "rollouts",
+        "anchors",
+        "frames",
+        "geometry",
+        "vae",
+        "latents",
+        "mdnrnn",
+        "controller",
+        "evaluation",
+    ),
     *("dqn", "ranking", "alignment", "report"),
 )
 _SIZES = {
@@ -77,6 +89,7 @@ def write_inputs(folder: Path) -> None:
     stages = {"stages": {"evaluation": {"foreach": listed}}}
     (folder / "dvc.yaml").write_text(yaml.safe_dump(stages), encoding="utf-8")
     shutil.copytree(ROOT / "data/reference", folder / "data/reference")
+    shutil.copytree(ROOT / "robots", folder / "robots")
     for name in ("data/tried.csv", "data/allocation.yaml"):
         shutil.copy(ROOT / name, folder / name)
 
@@ -105,5 +118,6 @@ def _step(name: str, form: dict[str, Any], values: dict[str, Any]) -> Step:
         entries = [entry for kind in kinds for entry in form.get(kind, [])]
         return [Path(filled(e if isinstance(e, str) else next(iter(e)))) for e in entries]
 
-    deps = [path for path in paths("deps") if path.parts[0] != "pipeline"]
+    # what stage `scene` wrote only tells DVC that a robot's files changed: no other stage reads it
+    deps = [path for path in paths("deps") if path.parts[0] != "pipeline" and path.parts[:2] != SCENES]
     return Step(name, shlex.split(filled(form["cmd"]))[3:], deps, paths("outs", "metrics", "plots"))

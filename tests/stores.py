@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.contract import zarrs
+from pipeline.storage import zarrs
 
 
 def write_store(

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.contract import stage
+from pipeline.storage import stage
 from tests.chain import IN_ORDER, Step, files_below, steps, write_inputs
 from tests.damage import CHECKED, flips, foreign, lacking
 
-READING = [name for name in IN_ORDER if name not in ("rollouts", "anchors", "dqn")]  # those read no artefact
+READING = [name for name in IN_ORDER if name not in ("scene", "rollouts", "anchors", "dqn")]  # no artefact
 AT_LENGTH = ("frames", "vae", "controller", "report")  # which take longest where damage changes nothing
 PICTURES = (".png", ".webp")
 

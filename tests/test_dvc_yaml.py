@@ -17,13 +17,14 @@ import pytest
 import yaml
 
 from pipeline.contract.source import ROOT, modules_behind
-from pipeline.contract.stage import parser
+from pipeline.storage.stage import parser
 from tests.source import params_read_by
 
 PARAMS: dict[str, Any] = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
 STAGES: dict[str, Any] = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
-PER_SCENE = ("ranking", "rollouts", "anchors")
+PER_SCENE = ("ranking", "scene", "rollouts", "anchors")
 ONCE = ("report", "alignment")
+SCENE_FILES = {"data/scenes/${key}.json", "data/scenes/${item.scene}.json"}  # deps that need no flag
 
 each_stage = pytest.mark.parametrize("stage", STAGES)
 
@@ -92,7 +93,15 @@ def test_a_small_negative_angle_is_passed_as_a_number(stage: str) -> None:
 def test_every_path_in_the_command_is_declared_and_every_declared_path_is_in_the_command(stage: str) -> None:
     in_command = {value for flag, value in flags(stage).items() if arguments(stage)[flag].type is Path}
     declared = set(paths(stage, "deps", "outs", "metrics", "plots")) - code_deps(stage)
-    assert in_command == declared
+    assert in_command == declared - (SCENE_FILES if stage != "scene" else set())
+
+
+def test_the_stages_that_compile_a_scene_depend_on_its_robots_files() -> None:
+    """They read the robot's files themselves; what stage `scene` wrote says when these changed."""
+    compiling = {s for s in STAGES if "robots.*" in params_read_by(f"pipeline/{s}.py")}
+    assert compiling >= {"scene", "rollouts", "frames", "evaluation"}
+    assert compiling - {"scene"} == {s for s in STAGES if SCENE_FILES & set(paths(s, "deps"))}
+    assert "robots" in paths("scene", "deps")
 
 
 @each_stage
@@ -133,6 +142,8 @@ def test_params_that_the_stage_reads_are_listed(stage: str) -> None:
 def is_listed(key: str, stage: str) -> bool:
     """Whether a stage lists ``key``, or reads a table only to find in it what it lists."""
     known = listed(stage)
+    if key == "robots.*" and SCENE_FILES & set(paths(stage, "deps")):
+        return True  # what stage `scene` wrote holds the robot's declaration
     found_in = {"scenes": "scenes", "budgets": "budgets", "budget": "budgets"}.get(key)
     return any(within(key, k) for k in known) or any(found_in and within(k, found_in) for k in known)
 
@@ -161,7 +172,7 @@ def test_a_branch_depends_on_its_own_number_of_repeats_and_episodes_on_their_sce
         "rollouts": [{"data/allocation.yaml": ["scenes.${key}"]}],
         "frames": [{"data/allocation.yaml": ["branches.${key}"]}],
     }
-    readers = {s for s in STAGES if "pipeline/contract/allocation.py" in modules_behind(f"pipeline/{s}.py")}
+    readers = {s for s in STAGES if "pipeline/storage/allocation.py" in modules_behind(f"pipeline/{s}.py")}
     assert readers == {"rollouts", "frames"}
 
 

@@ -93,7 +93,7 @@ def test_one_more_repeat_of_one_viewpoint_runs_its_branch_and_draws_episodes(
 def test_study_runs_first(done: Clone) -> None:
     order = re.findall(r"Running stage '([^']+)'", done.run("dvc", "repro", "--dry", "--force").stdout)
     scene = PARAMS["viewpoint"]["scene"]
-    assert order[:3] == [f"rollouts@{scene}", "geometry@study", "frames@study"]
+    assert order[:4] == [f"scene@{scene}", f"rollouts@{scene}", "geometry@study", "frames@study"]
 
 
 def test_side_by_side_gives_the_serial_lock_and_no_stage_runs_twice(done: Clone, tmp_path: Path) -> None:
@@ -164,7 +164,7 @@ def test_a_fresh_clone_computes_what_changed_and_what_that_reads(
     fresh = Clone(tmp_path / "fresh clone")
     fresh.lend_environment()
     there = exp_run(fresh, "--allow-missing", "-S", change, *target)
-    drawn = {f"rollouts@{PARAMS['viewpoint']['scene']}"}
+    drawn = {f"{stage}@{PARAMS['viewpoint']['scene']}" for stage in ("scene", "rollouts")}
     assert least | drawn <= there <= least | most | drawn
 
 

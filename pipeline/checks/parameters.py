@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection
+from functools import lru_cache
 from pathlib import Path
 
 from pipeline.contract import params
 from pipeline.contract.errors import unknown
-from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import NAME, named_viewpoints
 from pipeline.control.params import ControllerParams, EvaluationSizes, SearchSizes
 from pipeline.qlearning.params import DqnParams, DqnSizes
 from pipeline.sim.params import ExplorationParams, RolloutSizes, SceneParams
-from pipeline.sim.robots import robot
+from pipeline.sim.robot_files import robot_file
+from pipeline.sim.robot_params import RobotParams, robot_params
+from pipeline.sim.robots import build_robot
 from pipeline.stats.params import RankingParams
+from pipeline.storage.stage import entry
 from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes, VaeParams, VaeSizes
 
 METHODS: dict[str, type[params.Section]] = {
@@ -35,7 +38,17 @@ SIZES: dict[str, type[params.Section]] = {
     "vae": VaeSizes,
 }
 DIFFER = ("budgets", "ranking")  # whose values may be others in a scene
-OTHERS = ("viewpoint", "viewpoints", "budget", "budgets", "seed", "heldout_share", "sight_share", "scenes")
+OTHERS = (
+    "viewpoint",
+    "viewpoints",
+    "budget",
+    "budgets",
+    "seed",
+    "heldout_share",
+    "sight_share",
+    "robots",
+    "scenes",
+)
 
 
 def main() -> None:
@@ -51,6 +64,7 @@ def check(path: Path = params.PARAMS_FILE) -> None:
     """
     _known(params.mapping(path=path), {*METHODS, *OTHERS}, "at the top level", path)
     params.budget(path), params.seed(path), params.heldout_share(path), params.sight_share(path)
+    _robots(path)
     scenes = _scenes(path)
     for key, view in named_viewpoints(path).items():
         if view.scene not in scenes:
@@ -70,8 +84,23 @@ def _scenes(path: Path) -> dict[str, SceneParams]:
         if not re.fullmatch(NAME, str(name)):
             raise params.invalid(path, "a name below scenes", name, "it has letters, digits, _ and -")
         found[name] = params.section(SceneParams, "scenes", name, path=path)
-        robot(found[name].robot)
+        robot_params(found[name].robot, path)
     return found
+
+
+def _robots(path: Path) -> None:
+    for name in params.mapping("robots", path=path):
+        if not re.fullmatch(NAME, str(name)):
+            raise params.invalid(path, "a name below robots", name, "it has letters, digits, _ and -")
+        declared = robot_params(name, path)
+        changed = robot_file(name, declared.file, path.parent).stat().st_mtime_ns
+        _build(name, declared.model_dump_json(exclude_unset=True), path.parent, changed)
+
+
+@lru_cache(maxsize=64)
+def _build(name: str, declared: str, root: Path, changed_ns: int) -> None:
+    """Reads the robot's files as a scene does; what was right once is right until the file changes."""
+    build_robot(name, RobotParams.model_validate_json(declared), root)
 
 
 def _budget(name: str, scenes: dict[str, SceneParams], path: Path) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 class BelvedereError(Exception):
     """Bad input, told in one sentence: the value, where it came from, what would be valid.
 
-    The stage entry (:func:`pipeline.contract.stage.entry`) prints it without a traceback and
+    The stage entry (:func:`pipeline.storage.stage.entry`) prints it without a traceback and
     exits with status 1; every other exception is a defect of the program and keeps its traceback.
     """
 

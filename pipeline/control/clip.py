@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from pipeline.contract.artefacts import writing
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering.renderer import Renderer
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.scene import Scene
+from pipeline.storage.artefacts import writing
 
 _SIDE = 192  # of each of the two pictures, pixels
 _QUALITY = 60  # of WebP, 0 to 100
@@ -26,11 +26,10 @@ def write_clip(path: Path, scene: Scene, view: Viewpoint, qpos: np.ndarray, targ
         scene: the compiled scene.
         view: where the camera stands.
         qpos: generalised positions, shape (t, nq).
-        target_m: the target, shape (3,), m.
+        target_m: the target at the same times, shape (t, 3), m.
     """
-    targets = np.repeat(target_m[None], len(qpos), axis=0)
-    large = Renderer(scene, view, len(qpos), size=_SIDE, antialias=2).render(qpos, targets)
-    small = Renderer(scene, view, len(qpos)).render(qpos, targets)
+    large = Renderer(scene, view, len(qpos), size=_SIDE, antialias=2).render(qpos, target_m)
+    small = Renderer(scene, view, len(qpos)).render(qpos, target_m)
     times = _SIDE // PICTURE_SIZE
     seen = small.repeat(times, axis=1).repeat(times, axis=2)
     first, *rest = (Image.fromarray(frame) for frame in np.concatenate([large, seen], axis=2))

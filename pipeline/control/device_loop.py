@@ -57,7 +57,7 @@ class DeviceLoop:
         """
         worlds = self._worlds_for(sum(len(job.episodes) for job in jobs))
         with _one_stream(self._device), torch.inference_mode():
-            worlds.reset(_joined([job.episodes for job in jobs]))
+            worlds.reset(Episodes.joined([job.episodes for job in jobs]))
             history, views = _History(worlds), _Views(worlds)
             players = self._players(jobs)
             for frame in range(self.scene.frames):
@@ -109,7 +109,7 @@ class _Views:
     def __init__(self, worlds: DeviceWorlds) -> None:
         self.rgb, self.action = wp.to_torch(worlds.rgb), wp.to_torch(worlds.action)
         self.qpos, self.tip_m = wp.to_torch(worlds.qpos), wp.to_torch(worlds.tip)
-        self.reward = wp.to_torch(worlds.reward)
+        self.reward, self.error_m = wp.to_torch(worlds.reward), wp.to_torch(worlds.error)
 
 
 class _History:
@@ -117,22 +117,27 @@ class _History:
 
     def __init__(self, worlds: DeviceWorlds) -> None:
         views, frames = _Views(worlds), worlds.scene.frames
-        self._qpos, self._tip_m = (_rows(each, frames + 1) for each in (views.qpos, views.tip_m))
+        states = (views.qpos, views.tip_m, views.error_m)
+        self._qpos, self._tip_m, self._error_m = (_rows(each, frames + 1) for each in states)
         self._action, self._reward = (_rows(each, frames) for each in (views.action, views.reward))
-        self._qpos[0], self._tip_m[0] = views.qpos, views.tip_m
+        self._take(0, views)
 
     def note(self, time: int, views: _Views) -> None:
         """Takes down the worlds after ``time`` frames, and how they came there."""
-        self._qpos[time], self._tip_m[time] = views.qpos, views.tip_m
+        self._take(time, views)
         self._action[time - 1], self._reward[time - 1] = views.action, views.reward
+
+    def _take(self, time: int, views: _Views) -> None:
+        self._qpos[time], self._tip_m[time], self._error_m[time] = views.qpos, views.tip_m, views.error_m
 
     def trace(self) -> Trace:
         """The whole episode, on the host."""
-        qpos, tip_m, action, reward = (
+        qpos, tip_m, action, reward, error_m = (
             rows.transpose(0, 1).contiguous().cpu().numpy()
-            for rows in (self._qpos, self._tip_m, self._action, self._reward)
+            for rows in (self._qpos, self._tip_m, self._action, self._reward, self._error_m)
         )
-        return Trace(qpos, tip_m.astype(np.float64), action, reward.astype(np.float64))
+        tip_m, reward, error_m = (rows.astype(np.float64) for rows in (tip_m, reward, error_m))
+        return Trace(qpos, tip_m, action, reward, error_m)
 
 
 def _refuse_unfit(device: torch.device) -> None:
@@ -151,11 +156,6 @@ def _refuse_unfit(device: torch.device) -> None:
 
 def _rows(like: Tensor, times: int) -> Tensor:
     return like.new_empty((times, *like.shape))
-
-
-def _joined(parts: Sequence[Episodes]) -> Episodes:
-    starts, targets = ([getattr(part, name) for part in parts] for name in ("start_m", "target_m"))
-    return Episodes(np.concatenate(starts), np.concatenate(targets))
 
 
 @contextmanager

@@ -47,7 +47,8 @@ class Experience:
 def from_rewards(rnn: MdnRnn, experience: Experience, ridge: float) -> np.ndarray:
     """The flat parameters (a × 289,) of the controller that follows the reward's slope.
 
-    They are scaled so that what enters the tanh has mean square 1 over the episodes.
+    They are scaled so that what enters the tanh has mean square 1 over the episodes; where all rewards of an
+    episode are the same there is no slope, and they are zero.
 
     Args:
         rnn: what h comes from.
@@ -62,6 +63,8 @@ def from_rewards(rnn: MdnRnn, experience: Experience, ridge: float) -> np.ndarra
         rows = solution[: actions * _WIDTH].reshape(actions, _WIDTH)
         squares = gram[-_WIDTH:, -_WIDTH:]  # the features' own sums of products; the last is their count
         mean_square = ((rows @ squares) * rows).sum() / (actions * squares[-1, -1])
+        if mean_square == 0.0:  # no reward ever changed, as where no episode touched what is to be pushed
+            return np.zeros(actions * _WIDTH)
         return np.asarray((rows / mean_square.sqrt()).reshape(-1).numpy())
 
 

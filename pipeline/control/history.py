@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.contract.archives import read_whole
-from pipeline.contract.artefacts import writing
+from pipeline.storage.archives import read_whole
+from pipeline.storage.artefacts import writing
 
 FILE = "search.npz"
 

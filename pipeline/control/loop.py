@@ -14,13 +14,13 @@ from dataclasses import dataclass, fields
 import numpy as np
 import torch
 
-from pipeline.contract.stage import WORKER
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.control.policy import Controllers
 from pipeline.rendering.renderer import Renderer
 from pipeline.sim.draws import Episodes
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds
+from pipeline.storage.stage import WORKER
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.mdnrnn import MdnRnn
 
@@ -36,12 +36,14 @@ class Trace:
         tip_m: tip positions at the same times, (n, t + 1, 3).
         action: (n, t, actions).
         reward: paper eq. (1), after each action, (n, t).
+        error_m: what the reward counts, before each action and after the last, (n, t + 1).
     """
 
     qpos: np.ndarray
     tip_m: np.ndarray
     action: np.ndarray
     reward: np.ndarray
+    error_m: np.ndarray
 
     @property
     def returns(self) -> np.ndarray:
@@ -68,7 +70,7 @@ class _Worker:
     def run(self, encoder: Encoder, rnn: MdnRnn, controllers: Controllers, episodes: Episodes) -> Trace:
         worlds, state = self.worlds, rnn.initial_state(SHARD)
         worlds.reset(episodes)
-        qpos, tips, actions, rewards = [worlds.qpos], [worlds.tip], [], []
+        qpos, tips, actions, rewards, errors = [worlds.qpos], [worlds.tip], [], [], [worlds.error]
         for _ in range(worlds.scene.frames):
             latents = encoder(self.images.render(qpos[-1], worlds.target))
             action = controllers(latents, state.h)
@@ -77,7 +79,8 @@ class _Worker:
             qpos.append(worlds.qpos)
             tips.append(worlds.tip)
             actions.append(action.numpy())
-        return Trace(*(np.stack(series, axis=1) for series in (qpos, tips, actions, rewards)))
+            errors.append(worlds.error)
+        return Trace(*(np.stack(series, axis=1) for series in (qpos, tips, actions, rewards, errors)))
 
 
 class Workers:

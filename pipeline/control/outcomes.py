@@ -14,6 +14,7 @@ from pipeline.contract import seeds
 from pipeline.contract.machine import processor
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.scene import Scene
+from pipeline.sim.tasks.base import Task
 
 NEAR_M = {"2cm": 0.02, "5cm": 0.05}
 
@@ -23,30 +24,32 @@ def evaluation_episodes(scene: Scene, count: int, seed: int, repeat: int) -> Epi
     return draw_episodes(scene, count, seeds.generator(seed, repeat, seeds.Stream.EVALUATION_EPISODES))
 
 
-def outcomes(repeat: int, episodes: Episodes, tip_m: np.ndarray, reward: np.ndarray) -> pl.DataFrame:
+def outcomes(
+    repeat: int, task: Task, episodes: Episodes, error_m: np.ndarray, reward: np.ndarray
+) -> pl.DataFrame:
     """One row per episode.
 
     Args:
         repeat: which repeat.
+        task: says when an error is a success.
         episodes: n episodes.
-        tip_m: tip positions at the start and after each frame, shape (n, t + 1, 3).
+        error_m: what the reward counts, at the start and after each frame, shape (n, t + 1).
         reward: paper eq. (1), shape (n, t).
 
     Returns:
-        Columns ``repeat``, ``episode``, ``return`` (paper eq. (2), m), ``final_distance_m``, whether
-        (``within_2cm``, ``within_5cm``) and after how many frames (``frames_to_…``, null if never) the
-        tip first was so near, and the coordinates of start and target.
+        Columns ``repeat``, ``episode``, ``return`` (paper eq. (2), m), ``final_distance_m`` (the last error),
+        whether (``within_2cm``, ``within_5cm``) and after how many frames (``frames_to_…``, null if never)
+        the task was first done to within so much, and the coordinates of start and target.
     """
-    distance = np.linalg.norm(tip_m - episodes.target_m[:, None], axis=2)
     columns: dict[str, Any] = {
         "repeat": np.full(len(episodes), repeat),
         "episode": np.arange(len(episodes)),
         "return": reward.sum(axis=1),
-        "final_distance_m": distance[:, -1],
+        "final_distance_m": error_m[:, -1],
     }
     for name, near_m in NEAR_M.items():
-        near = distance < near_m
-        came = near.any(axis=1)
+        near = task.succeeded(error_m, near_m)
+        came = np.asarray(near.any(axis=1))
         columns[f"within_{name}"] = came
         columns[f"frames_to_{name}"] = [
             int(f) if c else None for f, c in zip(near.argmax(axis=1), came, strict=True)

@@ -9,9 +9,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.contract.archives import read_whole
-from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage.archives import read_whole
+from pipeline.storage.artefacts import writing
 from pipeline.worldmodel.mdnrnn import UNITS
 from pipeline.worldmodel.vae import LATENTS
 

@@ -12,7 +12,6 @@ import numpy as np
 from pipeline.contract import params, seeds
 from pipeline.contract.machine import cores
 from pipeline.contract.seeds import Stream
-from pipeline.contract.sight import read_sight
 from pipeline.control.evolution import Generation, Run, Search, evolve, start
 from pipeline.control.first import Experience, from_rewards
 from pipeline.control.jobs import Job
@@ -20,6 +19,7 @@ from pipeline.control.loops import Loops, mean_returns
 from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.control.policy import hidden_weights, parameters
 from pipeline.sim.draws import draw_episodes
+from pipeline.storage.sight import read_sight
 from pipeline.worldmodel.mdnrnn import MdnRnn
 
 

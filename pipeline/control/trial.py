@@ -16,6 +16,7 @@ from pipeline.control.jobs import Job
 from pipeline.control.loops import Loops
 from pipeline.control.outcomes import outcomes
 from pipeline.sim.draws import Episodes
+from pipeline.sim.worlds import target_paths
 
 OUTCOMES, CLIP = "outcomes.parquet", "clip.webp"
 
@@ -41,9 +42,11 @@ def try_out(
     what = f"evaluation {loops.scene.name} ({view.theta:g}°, {view.phi:g}°)"
     with Progress(len(folders), what) as progress:
         for (repeat, folder), own, trace in zip(folders.items(), episodes, traces, strict=True):
-            outcomes(repeat, own, trace.tip_m, trace.reward).write_parquet(folder / OUTCOMES)
+            rows = outcomes(repeat, loops.scene.task, own, trace.error_m, trace.reward)
+            rows.write_parquet(folder / OUTCOMES)
             if repeat == 0:
-                write_clip(folder / CLIP, loops.scene, view, trace.qpos[0], own.target_m[0])
+                targets = target_paths(loops.scene, own[:1])[0]
+                write_clip(folder / CLIP, loops.scene, view, trace.qpos[0], targets)
             progress.advance(returned=f"{trace.returns.mean():.2f}")
 
 

@@ -13,8 +13,9 @@ import warp as wp
 
 from pipeline.cuda import ik
 from pipeline.sim.arm_controllers import NEWTON_STEPS, Fields
-from pipeline.sim.robots import UPRIGHT
+from pipeline.sim.robot import arm_actuators
 from pipeline.sim.scene import Scene
+from pipeline.sim.wheel_robots import UPRIGHT
 
 wp.set_module_options({"enable_backward": False})
 
@@ -87,8 +88,7 @@ class DeviceJointController:
         self._model = model
         self._ik_state = mjw.make_data(scene.model, nworld=count, nconmax=1, njmax=1)
         self._arm = ik.arm(scene)
-        joints = scene.model.actuator_trnid[:, 0]
-        self._actuated = wp.array(scene.model.jnt_qposadr[joints], dtype=int)
+        self._actuators = wp.array(arm_actuators(scene.model, scene.robot), dtype=int)
 
     def reset(self, fields: Fields) -> None:
         self._ik_state.qpos.assign(np.asarray(fields["qpos"], dtype=np.float32))
@@ -97,15 +97,20 @@ class DeviceJointController:
         for _ in range(NEWTON_STEPS):
             ik.newton(self._model, self._ik_state, self._arm, setpoint)
         wp.launch(
-            command, dim=data.ctrl.shape, inputs=[self._ik_state.qpos, self._actuated], outputs=[data.ctrl]
+            command,
+            dim=(len(setpoint), len(self._actuators)),
+            inputs=[self._ik_state.qpos, self._arm.coordinates, self._actuators],
+            outputs=[data.ctrl],
         )
 
 
 @wp.kernel
-def command(qpos: wp.array2d[float], actuated: wp.array[int], ctrl: wp.array2d[float]) -> None:
-    """Commands each actuator to its joint's position."""
-    world, actuator = wp.tid()
-    ctrl[world, actuator] = qpos[world, actuated[actuator]]
+def command(
+    qpos: wp.array2d[float], coordinates: wp.array[int], actuators: wp.array[int], ctrl: wp.array2d[float]
+) -> None:
+    """Commands the arm's actuators to their joints' positions; the others stay at what :meth:`reset` had."""
+    world, index = wp.tid()
+    ctrl[world, actuators[index]] = qpos[world, coordinates[index]]
 
 
 class DeviceMocapController:
@@ -146,6 +151,6 @@ def pull(
 
 def device_arm_controller(scene: Scene, model: mjw.Model, count: int) -> DeviceArmController:
     """The controller of the scene's robot, on Warp's current device."""
-    kinds: dict[str, Any] = {"joints": DeviceJointController, "mocap": DeviceMocapController}
+    kinds: dict[str, Any] = {"joints": DeviceJointController, "weld": DeviceMocapController}
     made: DeviceArmController = kinds[scene.robot.control](scene, model, count)
     return made

@@ -9,7 +9,8 @@ import mujoco
 import mujoco_warp as mjw
 import warp as wp
 
-from pipeline.sim.arm_controllers import DAMPING
+from pipeline.sim.arm_controllers import DAMPING, NEWTON_STEPS
+from pipeline.sim.robot import joint_ranges
 from pipeline.sim.scene import Scene, initial_data
 
 wp.set_module_options({"enable_backward": False})
@@ -31,12 +32,14 @@ class Arm:
     site: int
     upright: wp.mat33
     damping: wp.float64
+    keeps_pose: bool
+    most: float  # of a joint in one step, rad or m
 
 
 def arm(scene: Scene) -> Arm:
     """The scene's arm, on Warp's current device."""
     model = scene.model
-    joints = [model.joint(name).id for name in scene.robot.home]
+    joints = [model.joint(name).id for name in scene.robot.arm]
     carriers = _carriers(model, int(model.site_bodyid[scene.tip_site]))
     turning = int(mujoco.mjtJoint.mjJNT_HINGE)
     made = Arm()
@@ -44,10 +47,12 @@ def arm(scene: Scene) -> Arm:
     made.coordinates = wp.array(model.jnt_qposadr[joints], dtype=int)
     kinds = [1 + int(model.jnt_type[j] == turning) if model.jnt_bodyid[j] in carriers else 0 for j in joints]
     made.moves = wp.array(kinds, dtype=int)
-    made.low, made.high = (wp.array(model.jnt_range[joints, side], dtype=float) for side in (0, 1))
+    made.low, made.high = (wp.array(ends, dtype=float) for ends in joint_ranges(model, scene.robot.arm))
     made.site = scene.tip_site
     made.upright = wp.mat33(*initial_data(scene).site_xmat[scene.tip_site])
     made.damping = wp.float64(DAMPING**2)
+    made.keeps_pose = scene.robot.keeps_pose
+    made.most = scene.declared.drive.largest_step / NEWTON_STEPS
     return made
 
 
@@ -81,6 +86,8 @@ def _column(arm: Arm, joint: int, place: wp.vec3, anchor: wp.vec3, axis: wp.vec3
     elif arm.moves[joint] == 2:
         along = wp.cross(axis, place - anchor)
         about = axis
+    if not arm.keeps_pose:  # the rows of the rotation are nought, so that they move nothing
+        about = wp.vec3(0.0)
     for k in range(3):
         column[k] = wp.float64(along[k])
         column[k + 3] = wp.float64(about[k])
@@ -151,9 +158,14 @@ def newton_step(
         column = _column(arm, index, place, anchor[world, joint], axis[world, joint])
         gram += wp.outer(column, column)
     way = solved(gram, _missing(setpoint[world], place, site_turn[world, arm.site], arm.upright))
+    largest = arm.most
+    for index in range(arm.joints.shape[0]):
+        joint = arm.joints[index]
+        column = _column(arm, index, place, anchor[world, joint], axis[world, joint])
+        largest = wp.max(largest, wp.abs(float(wp.dot(column, way))))
     for index in range(arm.joints.shape[0]):
         joint = arm.joints[index]
         column = _column(arm, index, place, anchor[world, joint], axis[world, joint])
         at = arm.coordinates[index]
-        moved = qpos[world, at] + float(wp.dot(column, way))
+        moved = qpos[world, at] + float(wp.dot(column, way)) * (arm.most / largest)
         qpos[world, at] = wp.clamp(moved, arm.low[index], arm.high[index])

@@ -17,11 +17,11 @@ from mujoco_warp import OverflowType
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.cuda.arm_controllers import Setpoints, device_arm_controller
-from pipeline.rendering.renderer import Renderer
+from pipeline.rendering.renderer import Renderer, warp_model
 from pipeline.sim.arm_controllers import Fields, arm_controller
 from pipeline.sim.draws import Episodes
 from pipeline.sim.scene import Scene
-from pipeline.sim.worlds import not_a_number
+from pipeline.sim.worlds import not_a_number, start_fields, target_paths
 
 wp.set_module_options({"enable_backward": False})
 
@@ -34,17 +34,44 @@ _NO_ROOM |= OverflowType.NARROWPHASE | OverflowType.CCD
 
 
 @wp.kernel
+def move_targets(
+    path: wp.array2d[wp.vec3],
+    frame: wp.array[int],
+    mocap: int,
+    target: wp.array[wp.vec3],
+    mocap_place: wp.array2d[wp.vec3],
+) -> None:
+    """Takes the targets, and the bodies that stand for them, to where they are after so many frames."""
+    world = wp.tid()
+    place = path[wp.min(frame[0], path.shape[0] - 1), world]
+    target[world] = place
+    mocap_place[world, mocap] = place
+
+
+@wp.kernel
+def count(frame: wp.array[int]) -> None:
+    """Counts a frame."""
+    frame[0] = frame[0] + 1
+
+
+@wp.kernel
 def measure(
     places: wp.array2d[wp.vec3],
-    site: int,
+    tip_site: int,
+    point_site: int,
     target: wp.array[wp.vec3],
+    offset: wp.vec3,
+    counted: wp.vec3,
     tip: wp.array[wp.vec3],
+    error: wp.array[float],
     reward: wp.array[float],
 ) -> None:
-    """Tips, and minus their distances to the targets: paper eq. (1)."""
+    """Tips, and how far from the targets is what shall come there; minus that is paper eq. (1)."""
     world = wp.tid()
-    tip[world] = places[world, site]
-    reward[world] = -wp.length(target[world] - tip[world])
+    tip[world] = places[world, tip_site]
+    gap = places[world, point_site] - (target[world] + offset)
+    error[world] = wp.length(wp.cw_mul(gap, counted))
+    reward[world] = -error[world]
 
 
 class DeviceWorlds:
@@ -66,13 +93,14 @@ class DeviceWorlds:
         target: likewise.
         qpos: generalised positions, (count, nq), float32.
         reward: of the last step, paper eq. (1), (count,), float32, m.
+        error: what the reward counts, as the worlds stand, likewise.
     """
 
     def __init__(self, scene: Scene, view: Viewpoint, count: int, device: wp.DeviceLike) -> None:
         self._images = Renderer(scene, view, count, device=device)
         self.scene, self.count, self.device = scene, count, wp.get_device(device)
         with wp.ScopedDevice(self.device):
-            self._model = mjw.put_model(scene.model)
+            self._model = warp_model(scene, scene.model)
             self._model.opt.graph_conditional = self.device.is_cpu or wp.is_conditional_graph_supported()
             self._model.opt.warn_overflow = 0  # :meth:`check` tells it once
             room = {"nconmax": _CONTACTS, "njmax": _CONSTRAINTS}
@@ -83,7 +111,9 @@ class DeviceWorlds:
             )
             self.action = wp.zeros((count, scene.action_size), dtype=float)
             self.tip, self.target = wp.zeros(count, dtype=wp.vec3), wp.zeros(count, dtype=wp.vec3)
-            self.reward = wp.zeros(count, dtype=float)
+            self.reward, self.error = wp.zeros(count, dtype=float), wp.zeros(count, dtype=float)
+            self._path = wp.zeros((scene.frames + 1, count), dtype=wp.vec3)
+            self._frames_done = wp.zeros(1, dtype=int)
             self.qpos = self._data.qpos
             mjw.kinematics(self._model, self._data)
             self.rgb = self._look()
@@ -97,14 +127,16 @@ class DeviceWorlds:
         """
         if len(episodes) != self.count:
             raise ValueError(f"{len(episodes)} episodes for {self.count} worlds")
-        fields = start_fields(self.scene, episodes)
+        fields = fields_at_start(self.scene, episodes)
         with wp.ScopedDevice(self.device):
             mjw.reset_data(self._model, self._data)
             for left in (self._data.cvel, self._data.cdof_dot):  # a weld reads those of the step before
                 left.zero_()
             for name, values in fields.items():
                 _upload(getattr(self._data, name), values)
-            _upload(self.target, episodes.target_m)
+            _upload(self._path, target_paths(self.scene, episodes).swapaxes(0, 1))
+            self._frames_done.zero_()
+            self._move_targets()
             _upload(self._setpoints.start, episodes.start_m)
             self._setpoints.refused.zero_()
             self._arm_controller.reset(fields)
@@ -141,27 +173,39 @@ class DeviceWorlds:
     def _frame(self) -> None:
         setpoint = self._setpoints.make(self.action, self.tip)
         self._arm_controller.move(self._data, self.tip, setpoint)
+        wp.launch(count, dim=1, inputs=[self._frames_done])
+        self._move_targets()
         for _ in range(self.scene.params.substeps):
             mjw.step(self._model, self._data)
         mjw.kinematics(self._model, self._data)  # a step leaves poses one behind the state
         self._look()
 
+    def _move_targets(self) -> None:
+        wp.launch(
+            move_targets,
+            dim=self.count,
+            inputs=[self._path, self._frames_done, self.scene.target_mocap],
+            outputs=[self.target, self._data.mocap_pos],
+        )
+
     def _look(self) -> wp.array:
+        scene, task = self.scene, self.scene.task
+        sites, weights = [scene.tip_site, scene.point_site], [wp.vec3(*task.offset_m), wp.vec3(*task.counted)]
         wp.launch(
             measure,
             dim=self.count,
-            inputs=[self._data.site_xpos, self.scene.tip_site, self.target],
-            outputs=[self.tip, self.reward],
+            inputs=[self._data.site_xpos, *sites, self.target, *weights],
+            outputs=[self.tip, self.error, self.reward],
         )
         return self._images.draw(self._data, self.count)
 
 
-def start_fields(scene: Scene, episodes: Episodes) -> Fields:
+def fields_at_start(scene: Scene, episodes: Episodes) -> Fields:
     """The state in which each episode starts; those that begin alike, as candidates' do, are solved once."""
-    both = np.concatenate([episodes.start_m, episodes.target_m], axis=1)
-    _, first, where = np.unique(both, axis=0, return_index=True, return_inverse=True)
+    all_of_it = np.concatenate([episodes.start_m, episodes.target_m, episodes.drawn], axis=1)
+    _, first, where = np.unique(all_of_it, axis=0, return_index=True, return_inverse=True)
     unlike = episodes[first]
-    fields = arm_controller(scene, len(unlike), 1).reset(unlike.start_m, unlike.target_m)
+    fields = start_fields(scene, arm_controller(scene, len(unlike), 1), unlike)
     return {name: values[where.reshape(-1)] for name, values in fields.items()}
 
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import torch
 
-from pipeline.contract.archives import read_whole
-from pipeline.contract.artefacts import writing
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage.archives import read_whole
+from pipeline.storage.artefacts import writing
 
 
 def save(path: Path, content: Mapping[str, Any]) -> None:

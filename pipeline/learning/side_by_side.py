@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import CORES_VARIABLE, cores
-from pipeline.contract.stage import WORKER
+from pipeline.storage.stage import WORKER
 
 Result = TypeVar("Result")
 

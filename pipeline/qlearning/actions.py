@@ -30,7 +30,8 @@ def restricted_expert(scene: Scene, reach_m: float) -> Policy:
     expert, axes = Expert(scene), list(scene.axes)
 
     def act(worlds: Worlds, frame: int) -> np.ndarray:
-        way = (expert.waypoint(worlds.tip, worlds.target) - worlds.tip)[:, axes]
+        state = worlds.state
+        way = (expert.waypoint(state) - state.tip_m)[:, axes]
         return np.asarray(np.clip(np.round(way / reach_m), -1.0, 1.0))
 
     return act
@@ -44,7 +45,7 @@ def best_restricted_expert(scene: Scene, draws: Episodes, threads: int) -> Polic
     worlds = Worlds(scene, len(draws), threads)
 
     def returned(reach_m: float) -> float:
-        _, reward = play(worlds, draws, restricted_expert(scene, reach_m))
-        return float(reward.sum(axis=1).mean())
+        played = play(worlds, draws, restricted_expert(scene, reach_m))
+        return float(played.reward.sum(axis=1).mean())
 
     return restricted_expert(scene, max(_REACHES_M, key=returned))

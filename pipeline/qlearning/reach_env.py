@@ -20,9 +20,9 @@ from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds
 
 
-def dqn_reward(reach_reward: np.ndarray) -> np.ndarray:
-    """Paper eq. (3) from eq. (1): 1 - 2 · distance, clipped to [-1, 1]."""
-    return np.clip(2.0 * reach_reward + 1.0, -1.0, 1.0)
+def dqn_reward(reward: np.ndarray) -> np.ndarray:
+    """Paper eq. (3) from eq. (1): 1 - 2 · error, clipped to [-1, 1]."""
+    return np.clip(2.0 * reward + 1.0, -1.0, 1.0)
 
 
 class Pictures:

@@ -22,10 +22,10 @@ def tried(
 ) -> pl.DataFrame:
     """One row per episode, see :data:`pipeline.qlearning.tables.EPISODES`."""
     worlds = Worlds(scene, len(episodes), threads)
-    _, best = play(worlds, episodes, expert)
-    tips, reward = play(worlds, episodes, greedy(model, scene, view, len(episodes), threads))
-    table = outcomes(repeat, episodes, tips, reward)
-    table = table.with_columns(pl.Series("expert_return", best.sum(axis=1)))
+    best = play(worlds, episodes, expert)
+    played = play(worlds, episodes, greedy(model, scene, view, len(episodes), threads))
+    table = outcomes(repeat, scene.task, episodes, played.error_m, played.reward)
+    table = table.with_columns(pl.Series("expert_return", best.reward.sum(axis=1)))
     return table.select(pl.col(name).cast(kind) for name, kind in EPISODES.items())
 
 

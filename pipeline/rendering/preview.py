@@ -8,13 +8,13 @@ import numpy as np
 from PIL import Image
 
 from pipeline.contract import params, seeds
-from pipeline.contract.artefacts import writing
-from pipeline.contract.stage import entry
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.rendering.renderer import Renderer
 from pipeline.rendering.visibility import PICTURE_SIZE
+from pipeline.sim.environment import environment
 from pipeline.sim.scene import load_scene
-from pipeline.sim.task import environment
+from pipeline.storage.artefacts import writing
+from pipeline.storage.stage import entry
 
 _LARGE = 512  # side of the picture for people, pixels
 

@@ -17,16 +17,17 @@ import numpy as np
 import warp as wp
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.parts import places
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering import buffers, shading
 from pipeline.rendering.tracer import StaticBackground, Tracer
 from pipeline.rendering.visibility import PICTURE_SIZE
 from pipeline.sim.camera import camera_to_world
-from pipeline.sim.scene import CAMERA, TARGET_GROUP, Scene, initial_data
+from pipeline.sim.scene import CAMERA, Scene, initial_data
+from pipeline.sim.tasks.bodies import TARGET_GROUP
+from pipeline.storage.parts import places
 
 VISIBLE_GROUPS = (0, 1, 2)
-_NO_GEOM = -2
+_NO_GEOMS = range(-2, -2)
 _SHARD = 32  # worlds a call; small enough to share out evenly, large enough to fill a core
 
 
@@ -58,6 +59,21 @@ def model_seen_from(scene: Scene, view: Viewpoint) -> mujoco.MjModel:
     model.cam_pos[camera] = position
     mujoco.mju_mat2Quat(model.cam_quat[camera], rotation.reshape(-1))
     return model
+
+
+def warp_model(scene: Scene, model: mujoco.MjModel) -> mjw.Model:
+    """The model on Warp's current device.
+
+    Raises:
+        BelvedereError: MuJoCo Warp lacks something that the model has.
+    """
+    try:
+        return mjw.put_model(model)
+    except NotImplementedError as error:
+        raise BelvedereError(
+            f"scene {scene.name}: MuJoCo Warp, which poses what is drawn, lacks something of robot "
+            f"{scene.robot.name} ({scene.declared.file}): {' '.join(str(error).split())}."
+        ) from None
 
 
 class Renderer:
@@ -94,12 +110,13 @@ class Renderer:
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         self._scene, self._antialias = scene, antialias
-        self._target = scene.target_geom if segment else _NO_GEOM
+        counted = scene.target_geoms if segment else _NO_GEOMS
+        self._target = wp.vec2i(counted.start, counted.stop)
         geoms = buffers.visible_geoms(model, groups)
         still = buffers.static_geoms(model, geoms)
         samples, camera = size * antialias, model.camera(CAMERA).id
         with wp.ScopedDevice(self._device):
-            self._model = mjw.put_model(model)
+            self._model = warp_model(scene, model)
             self._data = mjw.make_data(model, nworld=count, nconmax=1, njmax=1)
             initial = np.tile(initial_data(scene).qpos.astype(np.float32), (count, 1))
             self._data.qpos.assign(initial)  # where locked joints stand

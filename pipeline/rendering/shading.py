@@ -90,13 +90,13 @@ def shade(
     still_rgb: wp.array[wp.vec3],
     still_pixels: wp.array3d[wp.uint8],
     antialias: int,
-    target: int,
+    target: wp.vec2i,
     rgb: wp.array4d[wp.uint8],
     seen: wp.array[int],
 ) -> None:
     """Pictures, a row a thread, from the samples' hits and, where there are none, ``still_pixels``.
 
-    ``seen`` counts the samples of geom ``target``, which moves.
+    ``seen`` counts the samples of the geoms from ``target[0]`` to before ``target[1]``, which move.
     """
     world, row = wp.tid()
     scale = 255.0 / float(antialias * antialias)
@@ -111,7 +111,8 @@ def shade(
                 if slot >= 0:
                     moved += 1
                     total += _shade(world, lane, slot, hits, subject)
-                    if subject.geoms[subject.placed[world, slot].place].number == target:
+                    number = subject.geoms[subject.placed[world, slot].place].number
+                    if number >= target[0] and number < target[1]:
                         count += 1
                 elif antialias > 1:
                     total += still_rgb[lane]

@@ -13,9 +13,10 @@ from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.boxes import crosses
 from pipeline.sim.camera import camera_to_world
 from pipeline.sim.scene import Scene
+from pipeline.sim.tasks.bodies import TARGET_GROUP
 
 PICTURE_SIZE = 64  # pixels a side, as the world model sees it (paper II-C)
-_DRAWN_BESIDE_TARGET = (0, 2)  # the target stands alone in group 1
+_DRAWN = (0, 1, 2)  # geom groups
 
 
 def to_pixels(scene: Scene, view: Viewpoint, points_m: np.ndarray, size: int) -> np.ndarray:
@@ -39,17 +40,17 @@ class Sight:
         self._scene = scene
         self._batch = mujoco_batch.Batch(scene.model, count, threads)
         self._groups = np.zeros(mujoco.mjNGROUP, np.uint8)
-        self._groups[list(_DRAWN_BESIDE_TARGET)] = 1
+        self._groups[list(_DRAWN)] = 1
 
     def target_pixels(self, view: Viewpoint, qpos: np.ndarray, target_m: np.ndarray) -> np.ndarray:
         """Shapes (count, nq), (count, 3) → (count,)."""
         self._batch.bind("qpos")[:] = qpos
+        self._batch.bind("mocap_pos")[:, self._scene.target_mocap] = target_m
         origin, rotation = camera_to_world(self._scene.params.camera, view)
         rays = _rays_about(self._scene, view, target_m) @ rotation.T
-        reach = _distance_to_sphere(origin, rays, target_m, self._scene.params.target.radius_m)
-        hit, _ = self._batch.ray(origin, rays, geomgroup=self._groups)
-        hidden = (hit >= 0) & (hit < reach)
-        return np.asarray((np.isfinite(reach) & ~hidden).sum(axis=1), dtype=np.int32)
+        _, geom = self._batch.ray(origin, rays, geomgroup=self._groups)
+        mine = (geom >= self._scene.target_geoms.start) & (geom < self._scene.target_geoms.stop)
+        return np.asarray(mine.sum(axis=1), dtype=np.int32)
 
 
 def refuse_hidden_targets(scene: Scene, view: Viewpoint) -> None:
@@ -64,7 +65,7 @@ def refuse_hidden_targets(scene: Scene, view: Viewpoint) -> None:
     targets = np.asarray(scene.params.target.candidates_m)
     origin, rotation = camera_to_world(scene.params.camera, view)
     rays = _rays_about(scene, view, targets) @ rotation.T
-    reach = _distance_to_sphere(origin, rays, targets, scene.params.target.radius_m)
+    reach = _distance_to_target(scene, origin, rays, targets)
     for target, its_rays, its_reach in zip(targets, rays, reach, strict=True):
         in_picture = np.isfinite(its_reach)
         ends = origin + its_rays[in_picture] * its_reach[in_picture, None]
@@ -95,11 +96,13 @@ class _Solid:
 
 
 def _solids(scene: Scene) -> dict[str, _Solid]:
-    """The scene's boxes that are no part of the robot, by name."""
+    """The scene's boxes that are no part of the robot or the target, by name."""
     model, found = scene.model, {}
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     for geom in np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_BOX):
+        if geom in scene.target_geoms:
+            continue
         body = model.body(model.geom_bodyid[geom]).name
         if not body.startswith(scene.robot.prefix):
             rotation = data.geom_xmat[geom].reshape(3, 3)
@@ -113,7 +116,7 @@ def _rays_about(scene: Scene, view: Viewpoint, target_m: np.ndarray) -> np.ndarr
     camera, size = scene.params.camera, PICTURE_SIZE
     slope = 2 * np.tan(np.radians(camera.fov_deg) / 2) / size
     near = camera.distance_m - np.linalg.norm(target_m - np.asarray(camera.look_at_m), axis=1).max()
-    half = int(np.ceil(1.2 * scene.params.target.radius_m / max(near, 0.1) / slope)) + 1
+    half = int(np.ceil(1.2 * scene.task.extent_m(scene.params) / max(near, 0.1) / slope)) + 1
     middle = np.floor(to_pixels(scene, view, target_m, size))
     offsets = np.stack(np.meshgrid(*[np.arange(-half, half + 1)] * 2), axis=-1).reshape(-1, 2)
     pixels = middle[:, None] + offsets[None] + 0.5
@@ -124,13 +127,20 @@ def _rays_about(scene: Scene, view: Viewpoint, target_m: np.ndarray) -> np.ndarr
     return rays / np.linalg.norm(rays, axis=-1, keepdims=True)
 
 
-def _distance_to_sphere(
-    origin: np.ndarray, rays: np.ndarray, center: np.ndarray, radius: float
+def _distance_to_target(
+    scene: Scene, origin: np.ndarray, rays: np.ndarray, target_m: np.ndarray
 ) -> np.ndarray:
-    """Along unit rays (n, k, 3) to spheres (n, 3): (n, k), infinity where a ray misses."""
-    to_center = center - origin
-    along = np.einsum("nkc,nc->nk", rays, to_center)
-    miss_squared = np.sum(to_center**2, axis=1)[:, None] - along**2
-    hits = (miss_squared < radius**2) & (along > 0)
-    depth = np.sqrt(np.where(hits, radius**2 - miss_squared, 0.0))
-    return np.where(hits, along - depth, np.inf)
+    """Along unit rays (n, k, 3) to targets at (n, 3): (n, k), infinity where a ray misses."""
+    data, groups = mujoco.MjData(scene.model), np.zeros(mujoco.mjNGROUP, np.uint8)
+    groups[TARGET_GROUP] = 1
+    found = np.full(rays.shape[:2], np.inf)
+    for place_m, its_rays, distance in zip(target_m, rays, found, strict=True):
+        data.mocap_pos[scene.target_mocap] = place_m
+        mujoco.mj_kinematics(scene.model, data)
+        count, along = len(its_rays), np.zeros(len(its_rays))
+        geom, flat = np.zeros(count, np.int32), its_rays.reshape(-1, 1)
+        mujoco.mj_multiRay(
+            scene.model, data, origin, flat, groups, True, -1, geom, along, None, count, mujoco.mjMAXVAL
+        )
+        distance[geom >= 0] = along[geom >= 0]
+    return found

@@ -9,11 +9,11 @@ from typing import Any
 import polars as pl
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.tables import read_rows
+from pipeline.storage.tables import read_rows
 
 
 def read_frame(path: Path, columns: Mapping[str, Any], what: str, remedy: str) -> pl.DataFrame:
-    """Reads what :func:`pipeline.contract.tables.read_rows` does, each column as the type given.
+    """Reads what :func:`pipeline.storage.tables.read_rows` does, each column as the type given.
 
     Raises:
         BelvedereError: as there, or a value is not of its column's type.

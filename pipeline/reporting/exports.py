@@ -10,12 +10,12 @@ from typing import Any
 
 import polars as pl
 
-from pipeline.contract.artefacts import writing
 from pipeline.reporting.judge_tables import Factorial
 from pipeline.reporting.learning import learned, scene_bands
 from pipeline.reporting.page import Reference
 from pipeline.reporting.results import SceneResults
 from pipeline.stats.tried import Tried
+from pipeline.storage.artefacts import writing
 
 Row = dict[str, Any]
 

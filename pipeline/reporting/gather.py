@@ -12,12 +12,12 @@ import dvc.api
 import polars as pl
 
 from pipeline.contract import params
-from pipeline.contract.artefacts import read_json, writing
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.stage import entry
 from pipeline.contract.yamls import parse, read_yaml
 from pipeline.reporting.experiments import Experiment, experiments, other_code, stale
 from pipeline.reporting.tried import COLUMNS, parameters_digest
+from pipeline.storage.artefacts import read_json, writing
+from pipeline.storage.stage import entry
 
 ANCHORS, BRANCHES = Path("reports/anchors"), Path("reports/branches")
 _VIEWPOINT, _STAGE = "viewpoint", "evaluation@study"

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.contract import scratch
 from pipeline.reporting.results import SceneResults
+from pipeline.storage import scratch
 
 SCENE_STAGES = ("rollouts", "anchors", "ranking")
 BRANCH_STAGES = ("frames", "geometry", "vae", "latents", "mdnrnn", "controller", "evaluation")

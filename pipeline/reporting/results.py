@@ -10,10 +10,10 @@ import polars as pl
 from pydantic import ValidationError
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.tables import read_model, read_rows
 from pipeline.reporting.curve_files import read_curve, read_dqn_curve
 from pipeline.reporting.rankings import RankedView, Ranking
 from pipeline.reporting.tables import Anchors, Evaluation, Mdnrnn, Table, Vae, read_of_view
+from pipeline.storage.tables import read_model, read_rows
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,9 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, computed_field
 
+from pipeline.contract.anchors import anchor_warnings
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.tables import read_model
+from pipeline.storage.tables import read_model
 
 
 class Table(BaseModel):
@@ -83,6 +84,11 @@ class Anchors(Table):
     expert_mean: float
     expert_within_2cm_share_mean: float
 
+    def warnings(self, scene: str) -> list[str]:
+        """What makes a ranking of the scene's views say little, in sentences."""
+        levels = (self.no_op_mean, self.blind_mean, self.expert_mean, self.expert_within_2cm_share_mean)
+        return anchor_warnings(scene, *levels)
+
 
 class OfView(Table):
     """Numbers of a branch, and the viewpoint that they were measured from (angles in degrees)."""
@@ -151,7 +157,7 @@ ViewT = TypeVar("ViewT", bound=OfView)
 def read_of_view(
     table: type[ViewT], path: Path, made_by: str, scene: str, angles_deg: tuple[float, float]
 ) -> ViewT:
-    """Reads one table of a viewpoint, as :func:`pipeline.contract.tables.read_model` does.
+    """Reads one table of a viewpoint, as :func:`pipeline.storage.tables.read_model` does.
 
     Raises:
         BelvedereError: it is of another viewpoint, besides.

@@ -16,13 +16,14 @@ import numpy as np
 from mujoco import batch as mujoco_batch
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.sim.robots import UPRIGHT
+from pipeline.sim.robot import arm_actuators, held_controls, joint_ranges
 from pipeline.sim.scene import Scene, initial_data
+from pipeline.sim.wheel_robots import UPRIGHT
 
 DAMPING = 1e-3  # of the least squares, keeps joint steps finite near singular postures
 NEWTON_STEPS = 2  # per frame; a displacement of 0.05 m is solved to well below 1 mm
 _SETUP_STEPS = 100
-_TOLERANCE_M = 1e-3
+TOLERANCE_M = 1e-3
 
 
 Fields = dict[str, np.ndarray]  # MjData fields to be written, each with a leading axis over worlds
@@ -68,10 +69,10 @@ class JointController:
     def __init__(self, scene: Scene, count: int, threads: int) -> None:
         self._scene, self._count = scene, count
         model = scene.model
-        joints = [model.joint(name) for name in scene.robot.home]
+        joints = [model.joint(name) for name in scene.robot.arm]
         self._dofs = np.array([j.dofadr[0] for j in joints])
         self._coordinates = np.array([j.qposadr[0] for j in joints])
-        self._low, self._high = np.array([j.range for j in joints]).T
+        self._low, self._high = joint_ranges(model, scene.robot.arm)
         self._body = int(model.site_bodyid[scene.tip_site])
         home = initial_data(scene)
         self._home_qpos = home.qpos.copy()
@@ -80,25 +81,28 @@ class JointController:
         self._qpos = self._ik_state.bind("qpos")
         self._places = self._ik_state.bind("site_xpos")
         self._rotations = self._ik_state.bind("site_xmat")
-        ctrl = [model.actuator(a).trnid[0] for a in range(model.nu)]
-        self._actuated = np.array([model.jnt_qposadr[j] for j in ctrl])
+        self._rows = slice(0, 6 if scene.robot.keeps_pose else 3)
+        self._damping = DAMPING**2 * np.eye(self._rows.stop)
+        self._most = scene.declared.drive.largest_step / NEWTON_STEPS
+        self._actuators = arm_actuators(model, scene.robot)
+        self._controls = np.tile(held_controls(model, scene.robot), (count, 1))
 
     def reset(self, start_m: np.ndarray, target_m: np.ndarray) -> Fields:
-        self._qpos[:] = self._home_qpos
-        for _ in range(_SETUP_STEPS):
-            if not self._newton(start_m, enough_m=_TOLERANCE_M / 10).any():
-                break
-        self._refuse_unreached(start_m)
+        self._refuse_unreached(start_m, self.solve(start_m))
         mocap = np.zeros((self._count, self._scene.model.nmocap, 3))
         mocap[:, self._scene.target_mocap] = target_m
         rest = np.zeros((self._count, self._scene.model.nv))
-        commands = self._qpos[:, self._actuated]
-        return {"qpos": self._qpos.copy(), "ctrl": commands, "mocap_pos": mocap, "qacc_warmstart": rest}
+        state = {"qpos": self._qpos.copy(), "mocap_pos": mocap, "qacc_warmstart": rest}
+        return {**state, "ctrl": self._commands()}
 
     def move(self, tip_pose: TipPose, setpoint_m: np.ndarray) -> Fields:
         for _ in range(NEWTON_STEPS):
             self._newton(setpoint_m)
-        return {"ctrl": self._qpos[:, self._actuated]}
+        return {"ctrl": self._commands()}
+
+    def _commands(self) -> np.ndarray:
+        self._controls[:, self._actuators] = self._qpos[:, self._coordinates]
+        return self._controls
 
     def _newton(self, setpoint_m: np.ndarray, enough_m: float = -1.0) -> np.ndarray:
         """One damped least-squares step of the worlds farther off than ``enough_m``; returns which.
@@ -110,21 +114,29 @@ class JointController:
         place = self._places[:, site].copy()
         rotation = self._rotations[:, site].reshape(-1, 3, 3)
         along, about = self._ik_state.jac(self._body, place)
-        jacobian = np.concatenate([along, about], axis=1)[:, :, self._dofs]
+        jacobian = np.concatenate([along, about], axis=1)[:, self._rows, self._dofs]
         # rotation error as a vector: half the sum of cross products of matching axes
         tilt = 0.5 * np.cross(rotation.transpose(0, 2, 1), self._upright.T[None]).sum(axis=1)
-        error = np.concatenate([setpoint_m - place, tilt], axis=1)
-        gram = jacobian @ jacobian.transpose(0, 2, 1) + DAMPING**2 * np.eye(6)
+        error = np.concatenate([setpoint_m - place, tilt], axis=1)[:, self._rows]
+        gram = jacobian @ jacobian.transpose(0, 2, 1) + self._damping
         step = jacobian.transpose(0, 2, 1) @ np.linalg.solve(gram, error[:, :, None])
+        step *= self._most / np.maximum(np.abs(step).max(axis=1, keepdims=True), self._most)
         off = np.linalg.norm(setpoint_m - place, axis=1) > enough_m
         moved = self._qpos[:, self._coordinates] + step[:, :, 0] * off[:, None]
         self._qpos[:, self._coordinates] = np.clip(moved, self._low, self._high)
         return off
 
-    def _refuse_unreached(self, start_m: np.ndarray) -> None:
+    def solve(self, tip_m: np.ndarray) -> np.ndarray:
+        """Turns the joints, from home, until tips are at places (n, 3), m; returns what is left (n,), m."""
+        self._qpos[:] = self._home_qpos
+        for _ in range(_SETUP_STEPS):
+            if not self._newton(tip_m, enough_m=TOLERANCE_M / 10).any():
+                break
         self._ik_state.forward(stage=mujoco.mjtStage.mjSTAGE_POS)
-        missed = np.linalg.norm(self._places[:, self._scene.tip_site] - start_m, axis=1)
-        if missed.max() > _TOLERANCE_M:
+        return np.asarray(np.linalg.norm(self._places[:, self._scene.tip_site] - tip_m, axis=1))
+
+    def _refuse_unreached(self, start_m: np.ndarray, missed: np.ndarray) -> None:
+        if missed.max() > TOLERANCE_M:
             point = np.round(start_m[int(missed.argmax())], 3).tolist()
             raise BelvedereError(
                 f"scene {self._scene.name}: the robot cannot bring its tip to {point} m (it stays "
@@ -149,7 +161,7 @@ class MocapController:
     def reset(self, start_m: np.ndarray, target_m: np.ndarray) -> Fields:
         home_tip = self._settled.site_xpos[self._scene.tip_site]
         missed = np.linalg.norm(start_m - home_tip, axis=1).max()
-        if missed > 5 * _TOLERANCE_M:
+        if missed > 5 * TOLERANCE_M:
             raise BelvedereError(
                 f"scene {self._scene.name}: episodes start {missed:.3f} m from the robot's own start "
                 f"{np.round(home_tip, 4).tolist()} m; set scenes.{self._scene.name}.start to it."
@@ -171,6 +183,6 @@ def arm_controller(scene: Scene, count: int, threads: int) -> ArmController:
     """The controller of the scene's robot."""
     kinds: dict[str, Callable[[Scene, int, int], ArmController]] = {
         "joints": JointController,
-        "mocap": MocapController,
+        "weld": MocapController,
     }
     return kinds[scene.robot.control](scene, count, threads)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -19,43 +20,61 @@ class Episodes:
 
     Attributes:
         start_m: tip positions, shape (n, 3), m, world frame.
-        target_m: target positions, shape (n, 3), m, world frame.
+        target_m: target positions, shape (n, 3), m, world frame; of one that moves, where it moves about.
+        drawn: what the task draws beside them, shape (n, its ``drawn_size``).
     """
 
     start_m: np.ndarray
     target_m: np.ndarray
+    drawn: np.ndarray
+
+    @staticmethod
+    def at(start_m: np.ndarray, target_m: np.ndarray) -> Episodes:
+        """Episodes of a task that draws nothing else."""
+        return Episodes(start_m, target_m, np.zeros((len(start_m), 0)))
+
+    @staticmethod
+    def joined(parts: Sequence[Episodes]) -> Episodes:
+        """All episodes of all parts."""
+        names = [field.name for field in fields(Episodes)]
+        return Episodes(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
     def __len__(self) -> int:
         return len(self.start_m)
 
     def __getitem__(self, index: slice | np.ndarray) -> Episodes:
-        return Episodes(self.start_m[index], self.target_m[index])
+        return Episodes(self.start_m[index], self.target_m[index], self.drawn[index])
 
     def tiled(self, times: int) -> Episodes:
         """All episodes, ``times`` times over: 0 1 2 0 1 2 …"""
-        return Episodes(np.tile(self.start_m, (times, 1)), np.tile(self.target_m, (times, 1)))
+        return Episodes.joined([self] * times)
 
 
 def draw_episodes(scene: Scene, count: int, rng: np.random.Generator) -> Episodes:
     """Draws ``count`` episodes.
 
     Target: the candidates in equal shares (in random order), each moved by a uniform jitter on the
-    controlled axes. Start: uniform in the start range on the controlled axes, at the target's place
-    on the others, so that the target can be reached with the controlled axes alone (paper IV-A).
-    Episodes that begin or end within an obstacle's clearance are drawn again. What a camera sees of
-    them plays no part, so that no viewpoint is favoured.
+    controlled axes. Start: uniform in the start range on the controlled axes, at the task's goal on the
+    others, which is the target's place or above it, so that it can be reached with the controlled axes
+    alone (paper IV-A). Then what the task draws. Episodes that begin or end within an obstacle's
+    clearance, or that the task does not accept, are drawn again. What a camera sees of them plays no part,
+    so that no viewpoint is favoured.
     """
     if count < 1:
         raise BelvedereError(f"{count} episodes were asked for in scene {scene.name}; at least 1 is needed.")
     candidates = np.asarray(scene.params.target.candidates_m)
     middles = candidates[rng.permutation(np.arange(count) % len(candidates))]
     start, target = np.zeros((count, 3)), np.zeros((count, 3))
+    drawn = np.zeros((count, scene.task.drawn_size))
     pending = np.arange(count)
     for _ in range(_ROUNDS):
         start[pending], target[pending] = _propose(scene, middles[pending], rng)
-        pending = pending[~(_clear(scene, start[pending]) & _clear(scene, target[pending]))]
+        drawn[pending] = scene.task.draw(scene.params, start[pending], target[pending], rng)
+        fine = _clear(scene, start[pending]) & _clear(scene, target[pending])
+        fine &= scene.task.acceptable(start[pending], target[pending], drawn[pending])
+        pending = pending[~fine]
         if not len(pending):
-            return Episodes(start, target)
+            return Episodes(start, target, drawn)
     raise BelvedereError(
         f"scene {scene.name}: no acceptable start for target candidate {middles[pending[0]].tolist()} m was "
         f"found in {_ROUNDS} draws; widen scenes.{scene.name}.start in params.yaml or move its obstacles."
@@ -68,7 +87,7 @@ def _propose(scene: Scene, middles: np.ndarray, rng: np.random.Generator) -> tup
     target = middles + controlled * jitter * rng.uniform(-1.0, 1.0, middles.shape)
     low, high = _lowest_starts(scene, target), np.asarray(scene.params.start.high_m)
     start = low + rng.uniform(0.0, 1.0, middles.shape) * (high - low)
-    return np.where(controlled, start, target), target
+    return np.where(controlled, start, target + scene.task.offset_m), target
 
 
 def start_density(scene: Scene, start: np.ndarray, target: np.ndarray) -> np.ndarray:
@@ -78,7 +97,8 @@ def start_density(scene: Scene, start: np.ndarray, target: np.ndarray) -> np.nda
     more of the start range than others.
     """
     others = [axis for axis in range(3) if axis not in scene.axes]
-    same = np.isclose(start[:, None, others], target[None, :, others], rtol=0.0, atol=_SAME_M).all(axis=2)
+    goal = target + scene.task.offset_m
+    same = np.isclose(start[:, None, others], goal[None, :, others], rtol=0.0, atol=_SAME_M).all(axis=2)
     low, high = _lowest_starts(scene, target), np.asarray(scene.params.start.high_m)
     axes = list(scene.axes)
     above = (start[:, None, axes] >= low[None, :, axes] - _SAME_M).all(axis=2)

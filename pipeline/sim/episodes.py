@@ -10,8 +10,10 @@ _COPIES = 3  # of what is kept of an episode: frame by frame, stacked, and round
 
 
 def episode_bytes(scene: Scene) -> int:
-    """What a world and all that is kept of its episode take: positions, tip, action, its noise, reward."""
-    frame = 4 * scene.model.nq + 8 * (3 + 2 * scene.action_size + 1)
+    """What a world and all that is kept of its episode take: positions, tip, action, its noise, reward,
+    and where the task has some, its target's path and its error."""
+    own = 6 if scene.task.own_arrays else 0
+    frame = 4 * scene.model.nq + 8 * (3 + 2 * scene.action_size + 1 + own)
     return _WORLD_BYTES + _COPIES * scene.frames * frame
 
 

@@ -37,10 +37,14 @@ def roll(
     actions = correlated_actions((episodes, scene.frames, scene.action_size), process, rng)
     worlds = Worlds(scene, episodes, cores())
     worlds.reset(drawn)
-    frames: dict[str, list[np.ndarray]] = {"qpos": [], "tip": [], "reward": []}
+    own = ("target_path", "error") if scene.task.own_arrays else ()
+    frames: dict[str, list[np.ndarray]] = {name: [] for name in ("qpos", "tip", "reward", *own)}
     for t in range(scene.frames):
         frames["qpos"].append(worlds.qpos)
         frames["tip"].append(worlds.tip)
+        if own:
+            frames["target_path"].append(worlds.target)
+            frames["error"].append(scene.task.gap(worlds.point, worlds.target))
         frames["reward"].append(worlds.step(actions[:, t]))
         progress.advance()
     stacked = {name: np.round(np.stack(values, axis=1) / _GRID) * _GRID for name, values in frames.items()}

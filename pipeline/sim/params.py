@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, model_validator
 
 from pipeline.contract.params import Section
-
-Axis = Literal["x", "y", "z"]
-# A desk or a floor with a robot arm; what lies beyond these bounds is a slip of the keyboard.
-Metres = Annotated[float, Field(ge=-100, le=100)]
-Distance = Annotated[float, Field(ge=0, le=100)]
-Positive = Annotated[float, Field(gt=0, le=100)]
-Share = Annotated[float, Field(ge=0, le=1)]
-Vector = tuple[Metres, Metres, Metres]
-AXES: tuple[Axis, ...] = ("x", "y", "z")
+from pipeline.sim.tasks import REACH, AnyTask
+from pipeline.sim.units import AXES as AXES
+from pipeline.sim.units import Axis as Axis
+from pipeline.sim.units import Distance as Distance
+from pipeline.sim.units import Metres as Metres
+from pipeline.sim.units import Positive as Positive
+from pipeline.sim.units import Share as Share
+from pipeline.sim.units import Vector as Vector
 
 
 class Box(Section):
@@ -39,7 +38,7 @@ class Range(Section):
 
 
 class Start(Range):
-    """Where the tip may start on the controlled axes; on the others it starts at the target's place.
+    """Where the tip may start on the controlled axes; on the others it starts where the task has its goal.
 
     ``above_target_m``: least height above the target, or null where the tip may start below it.
     """
@@ -48,7 +47,10 @@ class Start(Range):
 
 
 class Target(Section):
-    """The red sphere to reach: one of the candidates, moved by up to ± jitter on each axis."""
+    """The red target: at one of the candidates, moved by up to ± jitter on each controlled axis.
+
+    ``radius_m``: of the red marker, a sphere or a disc; what else stands there is the task's.
+    """
 
     candidates_m: Annotated[tuple[Vector, ...], Field(min_length=1)]
     jitter_m: tuple[Distance, Distance, Distance]
@@ -77,9 +79,14 @@ class Light(Section):
 
 
 class SceneParams(Section):
-    """A scene: robot, controlled axes, start, targets, obstacles, camera, lights."""
+    """A scene: robot, desk, task, controlled axes, start, targets, obstacles, camera, lights.
+
+    ``desk``: a box to stand on and lean on, or null where there is none or the robot's file brings one.
+    """
 
     robot: str
+    desk: Box | None
+    task: AnyTask = REACH
     axes: Annotated[tuple[Axis, ...], Field(min_length=1, max_length=3)]
     frames: Annotated[int, Field(ge=1, le=10_000)]
     substeps: Annotated[int, Field(ge=1, le=1000)]
@@ -101,16 +108,8 @@ class SceneParams(Section):
         return self
 
     @model_validator(mode="after")
-    def _target_within_workspace(self) -> SceneParams:
-        for candidate in self.target.candidates_m:
-            for axis in self.axes:
-                i = AXES.index(axis)
-                low, high = candidate[i] - self.target.jitter_m[i], candidate[i] + self.target.jitter_m[i]
-                if low < self.workspace.low_m[i] - 1e-9 or high > self.workspace.high_m[i] + 1e-9:
-                    raise ValueError(
-                        f"target candidate {candidate} with jitter {self.target.jitter_m} leaves the "
-                        f"workspace [{self.workspace.low_m[i]}, {self.workspace.high_m[i]}] m on axis {axis}"
-                    )
+    def _task_fits(self) -> SceneParams:
+        self.task.check(self)
         return self
 
 

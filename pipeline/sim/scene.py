@@ -5,21 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import mujoco
 
 from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError, unknown
-from pipeline.sim.params import AXES, SceneParams
-from pipeline.sim.robots import TIP, Robot, limit_contacts, robot, settle_fetch
+from pipeline.sim import servos
+from pipeline.sim.foreign import refuse_textures
+from pipeline.sim.params import AXES, Box, SceneParams
+from pipeline.sim.robot import TIP, Robot
+from pipeline.sim.robot_files import digests
+from pipeline.sim.robot_params import RobotParams, robot_params
+from pipeline.sim.robots import build_robot, limit_contacts
+from pipeline.sim.tasks.base import Task
+from pipeline.sim.tasks.bodies import TARGET
 
-TARGET = "target"
 CAMERA = "viewpoint"
-TARGET_GROUP = 1  # alone in its group, so that it can be pictured without what hides it
-_TARGET_RGBA = (1.0, 0.0, 0.0, 1.0)
 _OBSTACLE_RGBA = (0.2, 0.45, 0.75, 1.0)
 _DESK_RGBA = (0.62, 0.55, 0.46, 1.0)
-_PANDA_DESK = ((0.45, 0.0, -0.02), (0.55, 0.7, 0.02))  # centre and half size, m; its top is z = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,12 +35,14 @@ class Scene:
         params: what params.yaml says of it.
         model: the compiled model; its camera :data:`CAMERA` is placed by the renderers.
         robot: how the robot is moved.
+        declared: what params.yaml says of the robot.
     """
 
     name: str
     params: SceneParams
     model: mujoco.MjModel
     robot: Robot
+    declared: RobotParams
 
     @property
     def axes(self) -> tuple[int, ...]:
@@ -53,6 +59,12 @@ class Scene:
         return self.params.frames
 
     @cached_property
+    def cache_key(self) -> dict[str, Any]:
+        """All that a result of the scene follows from but code: what a cache of results goes by."""
+        described = {"scene": self.params.model_dump(), "robot": self.declared.model_dump()}
+        return {**described, "files": digests(self.robot.files)}
+
+    @cached_property
     def tip_site(self) -> int:
         return int(self.model.site(TIP).id)
 
@@ -60,13 +72,30 @@ class Scene:
     def target_mocap(self) -> int:
         return int(self.model.body(TARGET).mocapid[0])
 
+    @property
+    def task(self) -> Task:
+        return self.params.task
+
     @cached_property
-    def target_geom(self) -> int:
-        return int(self.model.geom(TARGET).id)
+    def point_site(self) -> int:
+        """The site that shall come to the target."""
+        return int(self.model.site(self.task.site).id)
+
+    @cached_property
+    def target_geoms(self) -> range:
+        """The target's geoms, which are numbered one after the other."""
+        body = self.model.body(TARGET)
+        first = int(body.geomadr[0])
+        return range(first, first + int(body.geomnum[0]))
 
 
-def load_scene(name: str, path: Path = params.PARAMS_FILE) -> Scene:
+def load_scene(name: str, path: Path = params.PARAMS_FILE, root: Path | None = None) -> Scene:
     """Reads scene ``name`` from params.yaml and compiles it.
+
+    Args:
+        name: of the scene.
+        path: the parameter file.
+        root: the folder that holds ``robots/``, if that is not the parameter file's.
 
     Raises:
         BelvedereError: the scene is unknown or badly described, or its robot's files are missing.
@@ -74,28 +103,26 @@ def load_scene(name: str, path: Path = params.PARAMS_FILE) -> Scene:
     scenes = params.value("scenes", path=path)
     if name not in scenes:
         raise unknown(f"scene (in {path})", name, scenes)
-    return compile_scene(name, params.section(SceneParams, "scenes", name, path=path))
+    described = params.section(SceneParams, "scenes", name, path=path)
+    return compile_with(name, described, robot_params(described.robot, path), root or path.parent)
 
 
-def compile_scene(name: str, scene: SceneParams) -> Scene:
-    """Compiles a described scene."""
-    arm = robot(scene.robot)
-    spec = arm.build()
+def compile_scene(name: str, scene: SceneParams, path: Path = params.PARAMS_FILE) -> Scene:
+    """Compiles a described scene, whose robot ``path`` declares."""
+    return compile_with(name, scene, robot_params(scene.robot, path), path.parent)
+
+
+def compile_with(name: str, scene: SceneParams, declared: RobotParams, root: Path) -> Scene:
+    """Compiles a described scene with a described robot, whose files may lie below ``root``."""
+    spec, robot = build_robot(scene.robot, declared, root)
     spec.option.timestep = scene.timestep_s
     _add_lights(spec, scene)
-    _add_desk(spec, scene)
+    if scene.desk is not None:
+        _add_box(spec, "desk", scene.desk, _DESK_RGBA)
     for index, box in enumerate(scene.obstacles):
-        spec.worldbody.add_geom(
-            name=f"obstacle{index}",
-            type=mujoco.mjtGeom.mjGEOM_BOX,
-            pos=box.center_m,
-            size=box.half_size_m,
-            rgba=_OBSTACLE_RGBA,
-            contype=1,
-            conaffinity=1,
-        )
-    limit_contacts(spec, arm)
-    _add_target(spec, scene)
+        _add_box(spec, f"obstacle{index}", box, _OBSTACLE_RGBA)
+    limit_contacts(spec, robot)
+    scene.task.add_bodies(spec, scene)
     spec.worldbody.add_camera(name=CAMERA, fovy=scene.camera.fov_deg)
     try:
         model = spec.compile()
@@ -103,29 +130,14 @@ def compile_scene(name: str, scene: SceneParams) -> Scene:
         raise BelvedereError(
             f"scene {name}: robot {scene.robot!r} does not compile: {' '.join(str(error).split())}."
         ) from None
-    return Scene(name, scene, model, arm)
+    refuse_textures(model, robot)
+    servos.tune(model, robot, declared.drive)
+    return Scene(name, scene, model, robot, declared)
 
 
-def _add_target(spec: mujoco.MjSpec, scene: SceneParams) -> None:
-    """A sphere on a mocap body: it can stand anywhere and nothing can touch it."""
-    body = spec.worldbody.add_body(name=TARGET, mocap=True, pos=scene.target.candidates_m[0])
-    body.add_geom(
-        name=TARGET,
-        type=mujoco.mjtGeom.mjGEOM_SPHERE,
-        size=[scene.target.radius_m, 0, 0],
-        rgba=_TARGET_RGBA,
-        contype=0,
-        conaffinity=0,
-        group=TARGET_GROUP,
-    )
-
-
-def _add_desk(spec: mujoco.MjSpec, scene: SceneParams) -> None:
-    if scene.robot == "fetch":  # FetchReach brings its own table
-        return
-    center, half_size = _PANDA_DESK
+def _add_box(spec: mujoco.MjSpec, name: str, box: Box, rgba: tuple[float, ...]) -> None:
     spec.worldbody.add_geom(
-        name="desk", type=mujoco.mjtGeom.mjGEOM_BOX, pos=center, size=half_size, rgba=_DESK_RGBA
+        name=name, type=mujoco.mjtGeom.mjGEOM_BOX, pos=box.center_m, size=box.half_size_m, rgba=rgba
     )
 
 
@@ -159,12 +171,12 @@ def _add_lights(spec: mujoco.MjSpec, scene: SceneParams) -> None:
 
 
 def initial_data(scene: Scene) -> mujoco.MjData:
-    """The state from which episodes are set up: settled (Fetch) or at the robot's home (Panda)."""
+    """The state from which episodes are set up: the robot at its home, settled where it has to be."""
     data = mujoco.MjData(scene.model)
-    for joint, angle_rad in scene.robot.home.items():
-        data.joint(joint).qpos[:] = angle_rad
-    if scene.robot.control == "mocap":
-        settle_fetch(scene.model, data)
+    for joint, position in scene.robot.home.items():
+        data.joint(joint).qpos[:] = position
+    if scene.robot.settle is not None:
+        scene.robot.settle(scene.model, data)
     mujoco.mj_forward(scene.model, data)
     data.time = 0.0
     return data

@@ -10,9 +10,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.contract import params
-from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError, unknown
-from pipeline.contract.sight import Sight, read_sight
 from pipeline.contract.viewpoints import Viewpoint, named_viewpoints
 from pipeline.stats.reading import (
     COMPARED,
@@ -23,6 +21,8 @@ from pipeline.stats.reading import (
     foreign,
     provenance,
 )
+from pipeline.storage.artefacts import read_json
+from pipeline.storage.sight import Sight, read_sight
 
 ANCHORS = ("no_op", "blind", "expert")
 _BESIDE = ("geometry", "vae", "dqn")  # whose numbers stand in a ranking, too
@@ -120,7 +120,7 @@ def read_results(
         folder: holds one folder per branch; those that params.yaml does not name are skipped.
         anchors: the scene's anchors.
         first: repeats that every branch and the anchors have.
-        sight_share: see :func:`pipeline.contract.sight.read_sight`.
+        sight_share: see :func:`pipeline.storage.sight.read_sight`.
         mix: accept branches that were made differently.
         path: the parameter file.
 

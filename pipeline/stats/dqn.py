@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.contract.artefacts import read_json
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage.artefacts import read_json
 
 _NUMBERS = ("return", "expert_return")
 

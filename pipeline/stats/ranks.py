@@ -33,7 +33,7 @@ class Ranked:
         state: ``leader``, ``may be as good``, ``not the best`` or ``cannot see``.
         out_after: repeats after which it was eliminated.
         failed: how many trainings came out at or below target-blind.
-        misses: what the world model's latent lacks (:class:`pipeline.contract.sight.Sight`).
+        misses: what the world model's latent lacks (:class:`pipeline.storage.sight.Sight`).
         probe_m, guess_m: errors by which that is told.
         duplicates: other branches with the same viewpoint.
     """

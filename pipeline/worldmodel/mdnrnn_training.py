@@ -44,7 +44,7 @@ class Sequences:
 
 
 def sequences(columns: Mapping[str, np.ndarray], device: torch.device) -> Sequences:
-    """Encoded episodes on ``device``, of those columns of :data:`pipeline.contract.zarrs.LATENTS`."""
+    """Encoded episodes on ``device``, of those columns of :data:`pipeline.storage.zarrs.LATENTS`."""
     return Sequences(**{name: torch.from_numpy(array).to(device) for name, array in columns.items()})
 
 

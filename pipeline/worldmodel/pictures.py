@@ -8,8 +8,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from pipeline.contract import memory, params, zarrs
-from pipeline.contract.parts import places
+from pipeline.contract import memory, params
+from pipeline.storage import zarrs
+from pipeline.storage.parts import places
 
 _EPISODES = 8  # read at a time; while it reads, Zarr holds about three times as much
 
@@ -18,7 +19,7 @@ def read_pictures(store: zarrs.Store, repeat: int, episodes: np.ndarray, stride:
     """Bytes (n, 64, 64, 3) of every ``stride``-th picture of some episodes.
 
     Args:
-        store: of layout :data:`pipeline.contract.zarrs.FRAMES`.
+        store: of layout :data:`pipeline.storage.zarrs.FRAMES`.
         repeat: which of the store's.
         episodes: consecutive ones, ascending.
         stride: frames.

@@ -22,26 +22,28 @@ class Labelled:
         latents: (n, 32) posterior means.
         tip_m: (n, 3).
         target_m: (n, 3).
+        error_m: (n, 3), the task's: from the target to what shall come there, tip - target in reaching.
     """
 
     latents: np.ndarray
     tip_m: np.ndarray
     target_m: np.ndarray
+    error_m: np.ndarray
 
     def labels(self) -> Tensor:
-        """(n, 9), metres: tip, target, tip - target."""
-        columns = [self.tip_m, self.target_m, self.tip_m - self.target_m]
+        """(n, 9), metres: tip, target, error."""
+        columns = [self.tip_m, self.target_m, self.error_m]
         return torch.from_numpy(np.concatenate(columns, axis=1).astype(np.float32))
 
 
-def label(latents: Tensor, tip_m: np.ndarray, target_m: np.ndarray) -> Labelled:
-    """Latents (e · t, 32) of e episodes of t frames with tips (e, t, 3) and targets (e, 3)."""
-    targets_m = np.broadcast_to(target_m[:, None], tip_m.shape)
-    return Labelled(latents.numpy(), tip_m.reshape(-1, 3), targets_m.reshape(-1, 3))
+def label(latents: Tensor, tip_m: np.ndarray, target_m: np.ndarray, error_m: np.ndarray) -> Labelled:
+    """Latents (e · t, 32) of e episodes of t frames with tips, targets and errors (e, t, 3)."""
+    return Labelled(latents.numpy(), *(each.reshape(-1, 3) for each in (tip_m, target_m, error_m)))
 
 
 def probe(training: Labelled, heldout: Labelled, params: ProbeParams, seed: int) -> dict[str, float]:
-    """Held-out root mean squared distance, in metres, of tip, target and tip - target read from z.
+    """Held-out root mean squared distance, in metres, of tip, target and the task's error (tip - target
+    in reaching) read from z.
 
     Beside the probes' errors stand those of a guess that does not look: the mean of the training data.
 

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 from PIL import Image
 
-from pipeline.contract.artefacts import writing
+from pipeline.storage.artefacts import writing
 from pipeline.worldmodel import pictures
 from pipeline.worldmodel.vae import Vae
 

@@ -10,7 +10,7 @@ import pytest
 from benchmarks.memory import KEY, STAGES, peak_mib
 from benchmarks.training import command
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.stage import parser
+from pipeline.storage.stage import parser
 
 
 def held(folder: Path, code: str) -> float:

@@ -90,4 +90,4 @@ def test_a_killed_process_is_told_in_a_sentence() -> None:
     process.kill()
     process.join()
     with pytest.raises(BelvedereError, match="at work on plain loops was killed from outside"):
-        crew.run("none", np.zeros((1, 1)), Episodes(np.zeros((1, 3)), np.zeros((1, 3))))
+        crew.run("none", np.zeros((1, 1)), Episodes.at(np.zeros((1, 3)), np.zeros((1, 3))))

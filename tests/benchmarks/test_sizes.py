@@ -12,7 +12,7 @@ import pytest
 from benchmarks.sizes import KEY, PARTS, changed, measured, scored
 from benchmarks.training import command
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.stage import parser
+from pipeline.storage.stage import parser
 
 
 def test_a_change_is_put_in_its_place_and_nowhere_else() -> None:

@@ -33,7 +33,7 @@ def forget() -> None:
     ("changed", "those"),
     [
         ("learning/training.py", {"vae", "mdnrnn"}),
-        ("sim/reward.py", {"rollouts", "controller", "evaluation", "dqn"}),
+        ("sim/tasks/base.py", {"rollouts", "frames", "controller", "evaluation", "dqn"}),
         ("rendering/raytracer.py", {"frames", "controller", "evaluation", "dqn"}),
         ("latents.py", {"latents"}),
         ("reporting/page.py", set()),

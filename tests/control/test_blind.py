@@ -9,7 +9,7 @@ import pytest
 from scipy import optimize
 
 from pipeline.contract import params
-from pipeline.control.anchors import expert, heading_for, nothing, play
+from pipeline.control.anchors import believing, expert, nothing, play
 from pipeline.control.blind import TargetBlind, geometric_median
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.scene import load_scene
@@ -19,7 +19,8 @@ SCENES = tuple(params.value("scenes"))
 
 
 def test_it_is_never_told_a_target() -> None:
-    assert list(inspect.signature(TargetBlind.goals).parameters) == ["self", "start_m"]
+    assert list(inspect.signature(TargetBlind.policy).parameters) == ["self", "start_m"]
+    assert list(inspect.signature(TargetBlind.targets).parameters) == ["self", "start_m"]
     assert list(inspect.signature(TargetBlind).parameters) == ["scene", "rng"]
 
 
@@ -50,7 +51,9 @@ def test_in_one_axis_no_constant_height_leaves_targets_nearer_on_average() -> No
     heights = np.linspace(scene.params.workspace.low_m[2], scene.params.workspace.high_m[2], 91)
     for start in (0.15, 0.23, 0.28, 0.35, 0.39, 0.44, 0.47):
         targets = drawn.target_m[np.abs(drawn.start_m[:, 2] - start) < 0.004, 2]
-        goal = target_blind.goals(np.array([[0.5, 0.0, start]]))[0]
+        believed = target_blind.targets(np.array([[0.5, 0.0, start]]))[0]
+        goal = believed[0]
+        assert (believed == goal).all()
         assert goal[:2].tolist() == [0.5, 0.0]
         best = np.abs(targets - heights[:, None]).mean(axis=1).min()
         assert np.abs(targets - goal[2]).mean() <= best + 0.002
@@ -61,11 +64,11 @@ def test_in_one_axis_no_constant_goal_earns_more() -> None:
     worlds, episodes = Worlds(scene, count), draw_episodes(scene, count, np.random.default_rng(3))
 
     def earned(goal_m: np.ndarray) -> float:
-        return float(play(worlds, episodes, heading_for(scene, goal_m))[1].sum(axis=1).mean())
+        return float(play(worlds, episodes, believing(scene, goal_m)).reward.sum(axis=1).mean())
 
-    goals = [np.where([0, 0, 1], height, episodes.start_m) for height in np.linspace(0.06, 0.46, 6)]
-    ours = earned(TargetBlind(scene, np.random.default_rng(1)).goals(episodes.start_m))
-    assert ours >= max(earned(goal) for goal in goals)
+    ours = TargetBlind(scene, np.random.default_rng(1)).targets(episodes.start_m)
+    goals = [np.where([0, 0, 1], height, ours) for height in np.linspace(0.06, 0.46, 6)]
+    assert earned(ours) >= max(earned(goal) for goal in goals)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -75,9 +78,9 @@ def test_sight_is_needed(name: str) -> None:
     count = 256 if len(scene.axes) == 1 else 48  # where starts tell most of targets, the share is .53
     worlds = Worlds(scene, count, threads=2)
     episodes = draw_episodes(scene, count, np.random.default_rng(4))
-    goals = TargetBlind(scene, np.random.default_rng(1)).goals(episodes.start_m)
-    policies = {"no_op": nothing, "blind": heading_for(scene, goals), "expert": expert(scene)}
-    mean = {key: play(worlds, episodes, policy)[1].sum(axis=1).mean() for key, policy in policies.items()}
+    blind = TargetBlind(scene, np.random.default_rng(1)).policy(episodes.start_m)
+    policies = {"no_op": nothing, "blind": blind, "expert": expert(scene)}
+    mean = {key: play(worlds, episodes, p).reward.sum(axis=1).mean() for key, p in policies.items()}
     assert mean["expert"] - mean["blind"] >= 0.5 * (mean["expert"] - mean["no_op"])
     # Fetch starts in the middle of its targets, where there is nowhere better to go
     least = -0.02 if name == "fetch_reach" else 0.3
@@ -88,8 +91,8 @@ def test_a_goal_is_kept_whatever_the_target() -> None:
     """Other targets behind the same starts: the tips go the same ways to the bit."""
     scene = load_scene("panda_2dof_obstacle")
     worlds, episodes = Worlds(scene, 8), draw_episodes(scene, 8, np.random.default_rng(5))
-    goals = TargetBlind(scene, np.random.default_rng(1)).goals(episodes.start_m)
-    others = Episodes(episodes.start_m, episodes.target_m[::-1].copy())
-    tips = [play(worlds, drawn, heading_for(scene, goals))[0] for drawn in (episodes, others)]
+    goals = TargetBlind(scene, np.random.default_rng(1)).targets(episodes.start_m)
+    others = Episodes.at(episodes.start_m, episodes.target_m[::-1].copy())
+    tips = [play(worlds, drawn, believing(scene, goals)).tip_m for drawn in (episodes, others)]
     np.testing.assert_array_equal(*tips)
-    assert np.linalg.norm(tips[0][:, -1] - goals, axis=1).max() < 0.02
+    assert np.linalg.norm(tips[0][:, -1] - goals[:, -1], axis=1).max() < 0.02

@@ -10,7 +10,7 @@ from pipeline.control.anchors import expert, play
 from pipeline.control.clip import write_clip
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene
-from pipeline.sim.worlds import Worlds
+from pipeline.sim.worlds import Worlds, target_paths
 
 
 def test_a_clip_shows_every_frame_beside_what_the_world_model_sees(scene: Scene, tmp_path: Path) -> None:
@@ -25,7 +25,8 @@ def test_a_clip_shows_every_frame_beside_what_the_world_model_sees(scene: Scene,
     play(worlds, episodes, watched)
     paths = [tmp_path / "a.webp", tmp_path / "b.webp"]
     for path in paths:
-        write_clip(path, scene, viewpoint(scene.name, 0, 0), np.stack(qpos), episodes.target_m[0])
+        targets = target_paths(scene, episodes)[0, :-1]
+        write_clip(path, scene, viewpoint(scene.name, 0, 0), np.stack(qpos), targets)
     assert paths[0].read_bytes() == paths[1].read_bytes()
     with Image.open(paths[0]) as clip:
         assert (clip.n_frames, clip.width) == (scene.frames, 2 * clip.height)

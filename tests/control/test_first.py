@@ -60,3 +60,9 @@ def test_it_is_the_least_squares_solution_scaled(rnn: MdnRnn, experience: Experi
     np.testing.assert_allclose(
         from_rewards(rnn, experience, RIDGE), expected.reshape(-1), rtol=1e-6, atol=1e-9
     )
+
+
+def test_without_any_change_of_reward_it_does_nothing(rnn: MdnRnn, experience: Experience) -> None:
+    """As where no random episode touched what is to be pushed."""
+    same = Experience(experience.latents, experience.action, torch.full_like(experience.reward, -0.1))
+    assert not from_rewards(rnn, same, RIDGE).any()

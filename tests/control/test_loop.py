@@ -6,7 +6,6 @@ import numpy as np
 import torch
 from torch import nn
 
-from pipeline.contract.stage import WORKER
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.control.loop import SHARD, Loop, Workers
 from pipeline.control.policy import Controllers, parameters
@@ -14,6 +13,7 @@ from pipeline.rendering.renderer import Renderer
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds
+from pipeline.storage.stage import WORKER
 from pipeline.worldmodel.mdnrnn import MdnRnn
 from pipeline.worldmodel.vae import Vae
 

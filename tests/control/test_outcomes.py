@@ -6,14 +6,14 @@ from pipeline.contract import seeds
 from pipeline.control.outcomes import evaluation_episodes, means, outcomes
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.scene import Scene
+from pipeline.sim.tasks import REACH
 
 
 def test_a_row_says_whether_and_when_the_tip_came_near() -> None:
     """The first tip comes to 3 cm and then to 1 cm and leaves again; the second stays away."""
-    episodes = Episodes(start_m=np.array([[0.1, 0, 0], [0, 0, 0.5]]), target_m=np.zeros((2, 3)))
+    episodes = Episodes.at(start_m=np.array([[0.1, 0, 0], [0, 0, 0.5]]), target_m=np.zeros((2, 3)))
     away = np.array([[0.10, 0.03, 0.01, 0.06], [0.5, 0.5, 0.5, 0.5]])
-    tip = np.stack([away * [[1], [0]], 0 * away, away * [[0], [1]]], axis=2)
-    first, second = outcomes(3, episodes, tip, -away[:, 1:]).to_dicts()
+    first, second = outcomes(3, REACH, episodes, away, -away[:, 1:]).to_dicts()
     assert (first["repeat"], first["episode"], second["episode"]) == (3, 0, 1)
     assert np.isclose(first["return"], -0.10)
     assert np.isclose(first["final_distance_m"], 0.06)
@@ -24,8 +24,8 @@ def test_a_row_says_whether_and_when_the_tip_came_near() -> None:
 
 
 def test_means_over_repeats_and_of_each() -> None:
-    episodes = Episodes(np.zeros((2, 3)), np.zeros((2, 3)))
-    rows = [outcomes(r, episodes, np.zeros((2, 2, 3)), np.full((2, 1), -1.0 - r)) for r in range(2)]
+    episodes = Episodes.at(np.zeros((2, 3)), np.zeros((2, 3)))
+    rows = [outcomes(r, REACH, episodes, np.zeros((2, 2)), np.full((2, 1), -1.0 - r)) for r in range(2)]
     found = means(rows[0].vstack(rows[1]), lambda part: {"return": part["return"].mean()})
     assert found == {
         "return_mean": -1.5,

@@ -8,6 +8,7 @@ import pytest
 from pipeline.control.outcomes import means, outcomes
 from pipeline.control.trial import numbers
 from pipeline.sim.draws import Episodes
+from pipeline.sim.tasks import REACH
 
 
 def test_frames_are_of_the_episodes_that_arrived_and_their_share_stands_beside() -> None:
@@ -15,9 +16,8 @@ def test_frames_are_of_the_episodes_that_arrived_and_their_share_stands_beside()
     away = np.array([[0.2, 0.04, 0.04, 0.2], [0.2, 0.2, 0.2, 0.01], [0.2] * 4, [0.3] * 4])
     tables = []
     for repeat, distance in enumerate((away, away[2:])):
-        episodes = Episodes(np.zeros((len(distance), 3)), np.zeros((len(distance), 3)))
-        tip = np.stack([distance, 0 * distance, 0 * distance], axis=2)
-        tables.append(outcomes(repeat, episodes, tip, -distance[:, 1:]))
+        episodes = Episodes.at(np.zeros((len(distance), 3)), np.zeros((len(distance), 3)))
+        tables.append(outcomes(repeat, REACH, episodes, distance, -distance[:, 1:]))
     found = means(tables[0].vstack(tables[1]), numbers)
     assert found["frames_to_5cm_where_reached_mean"] == pytest.approx((1 + 3) / 2)
     assert found["within_5cm_share_mean"] == pytest.approx(2 / 6)

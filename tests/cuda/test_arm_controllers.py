@@ -11,7 +11,7 @@ from pipeline.cuda import ik
 from pipeline.cuda.arm_controllers import DeviceJointController, DeviceMocapController, Setpoints
 from pipeline.sim.arm_controllers import JointController, TipPose, next_setpoint
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.robots import UPRIGHT
+from pipeline.sim.wheel_robots import UPRIGHT
 from tests.cuda.device_cases import DEVICES
 from tests.sim.conftest import compiled
 
@@ -52,7 +52,7 @@ def test_joints_stay_within_their_ranges_out_of_reach(device: str) -> None:
         on_device.reset({"qpos": data.qpos.numpy()})
         for _ in range(20):
             on_device.move(data, setpoint, setpoint)
-        joints = [scene.model.joint(name) for name in scene.robot.home]
+        joints = [scene.model.joint(name) for name in scene.robot.arm]
         commanded = data.ctrl.numpy()[0, : len(joints)]
     low, high = np.array([joint.range for joint in joints]).T
     assert (commanded >= low - 1e-6).all()

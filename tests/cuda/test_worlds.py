@@ -10,12 +10,12 @@ from mujoco_warp import OverflowType
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.cuda import worlds as device_worlds
-from pipeline.cuda.worlds import DeviceWorlds, start_fields
+from pipeline.cuda.worlds import DeviceWorlds, fields_at_start
 from pipeline.rendering.renderer import Renderer
 from pipeline.sim.arm_controllers import arm_controller
 from pipeline.sim.draws import Episodes, draw_episodes
+from pipeline.sim.environment import environment
 from pipeline.sim.scene import Scene
-from pipeline.sim.task import environment
 from pipeline.sim.worlds import Worlds
 from tests.cuda.device_cases import DEVICES
 from tests.sim.conftest import SCENES, VIEWS, compiled
@@ -81,7 +81,7 @@ def into_the_obstacle(scene: Scene) -> tuple[Episodes, np.ndarray]:
     start = np.array([[box.center_m[0], -box.half_size_m[1] - 0.08, 0.09]] * COUNT)
     push = np.zeros((20, COUNT, 2), np.float32)
     push[..., 0] = 1.0
-    return Episodes(start, start * [1, -1, 1]), push
+    return Episodes.at(start, start * [1, -1, 1]), push
 
 
 @pytest.mark.parametrize("device", DEVICES)
@@ -118,7 +118,7 @@ def test_the_graph_does_what_its_kernels_do_one_by_one(
     scene = compiled(name)
     worlds, (episodes, actions) = DeviceWorlds(scene, view(scene), COUNT, device), drawn(scene, SHORT)
     graph = play(worlds, episodes, actions)
-    monkeypatch.setattr(device_worlds, "step", lambda: one_by_one(worlds))
+    monkeypatch.setattr(worlds, "step", lambda: one_by_one(worlds))
     alike(graph, play(worlds, episodes, actions), device)
 
 
@@ -130,7 +130,7 @@ def one_by_one(worlds: DeviceWorlds) -> None:
 def test_episodes_that_begin_alike_are_solved_once_to_the_same_bits() -> None:
     scene = compiled("panda_2dof")
     episodes = draw_episodes(scene, 3, np.random.default_rng(3)).tiled(2)
-    fields = start_fields(scene, episodes)
+    fields = fields_at_start(scene, episodes)
     for name, values in arm_controller(scene, 6, 1).reset(episodes.start_m, episodes.target_m).items():
         np.testing.assert_array_equal(fields[name], values)
 

@@ -14,8 +14,8 @@ from pipeline.qlearning.actions import action_table
 from pipeline.qlearning.reach_env import ReachEnv, dqn_reward
 from pipeline.rendering.renderer import Renderer
 from pipeline.sim.draws import draw_episodes
+from pipeline.sim.environment import environment
 from pipeline.sim.scene import load_scene
-from pipeline.sim.task import environment
 
 COUNT = 3
 

@@ -14,9 +14,9 @@ import warp as wp
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.rendering.buffers import still
+from pipeline.rendering.buffers import static_geoms
 from pipeline.rendering.renderer import ParallelRenderer, Renderer, model_seen_from, target_pixels_unhidden
-from pipeline.rendering.visibility import PICTURE_SIZE, Visibility
+from pipeline.rendering.visibility import PICTURE_SIZE, Sight
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import CAMERA, Scene
 from pipeline.sim.worlds import Worlds
@@ -110,7 +110,7 @@ def test_sees_as_many_target_pixels_as_mujocos_rays(view: Viewpoint) -> None:
     images = Renderer(scene, view, STATES, segment=True)
     images.render(qpos, target)
     counted = images.target_pixels(STATES)
-    assert np.abs(counted - Visibility(scene, STATES).target_pixels(view, qpos, target)).max() <= 1
+    assert np.abs(counted - Sight(scene, STATES).target_pixels(view, qpos, target)).max() <= 1
     assert (counted <= target_pixels_unhidden(scene, view, qpos, target)).all()
     assert counted.max() > 0
 
@@ -171,7 +171,7 @@ def test_antialiased_pixels_are_means(size: int) -> None:
 def test_what_locked_joints_hold_stands_still() -> None:
     model = compiled("fetch_reach").model
     names = [model.body(body).name.removeprefix("robot0:") for body in model.geom_bodyid]
-    stands = dict(zip(names, still(model, np.arange(model.ngeom)), strict=True))
+    stands = dict(zip(names, static_geoms(model, np.arange(model.ngeom)), strict=True))
     assert stands["base_link"] and stands["torso_fixed_link"] and stands["table0"]
     assert not stands["torso_lift_link"] and not stands["gripper_link"] and not stands["target"]
 

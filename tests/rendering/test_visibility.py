@@ -11,7 +11,7 @@ import pytest
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint, viewpoint
-from pipeline.rendering.visibility import PICTURE_SIZE, Visibility, refuse_hidden_targets
+from pipeline.rendering.visibility import PICTURE_SIZE, Sight, refuse_hidden_targets
 from pipeline.sim.camera import camera_to_world
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import Scene, compile_scene
@@ -90,7 +90,7 @@ def pixels_of(scene: Scene, view: Viewpoint, target_m: np.ndarray) -> int:
     groups = np.array([1, 1, 1, 0, 0, 0], np.uint8)
     flat = rays.reshape(-1, 1)
     mujoco.mj_multiRay(model, data, origin, flat, groups, True, -1, met, far, None, len(rays), 10.0)
-    return int((met == scene.target_geom).sum())
+    return int(np.isin(met, scene.target_geoms).sum())
 
 
 def test_a_target_behind_the_camera_is_in_no_pixel() -> None:
@@ -99,4 +99,4 @@ def test_a_target_behind_the_camera_is_in_no_pixel() -> None:
     worlds = Worlds(scene, 4)
     worlds.reset(episodes)
     behind = episodes.target_m + np.array([3.0, 0.0, 0.0])  # behind a camera in front of the robot
-    assert Visibility(scene, 4).target_pixels(viewpoint(scene.name, 0, 0), worlds.qpos, behind).max() == 0
+    assert Sight(scene, 4).target_pixels(viewpoint(scene.name, 0, 0), worlds.qpos, behind).max() == 0

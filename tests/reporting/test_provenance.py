@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.contract.artefacts import write_json
 from pipeline.reporting.provenance import costs, flat, revision
+from pipeline.storage.artefacts import write_json
 
 
 def _git(folder: Path, *arguments: str) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline.contract.artefacts import write_json
+from pipeline.storage.artefacts import write_json
 from runner.messages import announcement, answers
 
 SCENES = ("panda_2dof", "fetch_reach")

@@ -15,7 +15,8 @@ from tests.support import ROOT, Clone
 
 PARAMS = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
 BRANCHES = {"study", *PARAMS["viewpoints"]}
-SHARED = {f"{stage}@{scene}" for stage in ("rollouts", "anchors", "ranking") for scene in PARAMS["scenes"]}
+SCENE_STAGES = ("scene", "rollouts", "anchors", "ranking")
+SHARED = {f"{stage}@{scene}" for stage in SCENE_STAGES for scene in PARAMS["scenes"]}
 FAN_IN = {"alignment", "report"}
 
 
@@ -55,7 +56,7 @@ def test_a_job_waits_for_all_that_its_stages_need() -> None:
 
 def test_a_target_brings_its_scene_only() -> None:
     made = jobs(read_pipeline(["ranking@panda_1dof"]), branches(), 3)
-    shared = {f"{stage}@panda_1dof" for stage in ("rollouts", "anchors", "ranking")}
+    shared = {f"{stage}@panda_1dof" for stage in SCENE_STAGES}
     assert {job.name for job in made} == of("panda_1dof") | shared
     assert {job.place for job in made} == {3}
 

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 import yaml
 
-from pipeline.contract.allocation import read_allocation
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage.allocation import read_allocation
 from runner.plan import Job, Pipeline
 from runner.race import Race, allocate, soonest_answered
 

@@ -11,7 +11,7 @@ import yaml
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.params import PARAMS_FILE
-from pipeline.sim import robots
+from pipeline.sim import robot_files
 from pipeline.sim.scene import Scene, load_scene
 
 
@@ -57,13 +57,14 @@ def test_missing_robot_file_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     class Spec:
         submodule_search_locations = (str(tmp_path),)
 
-    monkeypatch.setattr(robots, "find_spec", lambda _: Spec)
-    with pytest.raises(BelvedereError, match=r"robot file .* is missing"):
+    monkeypatch.setattr(robot_files, "find_spec", lambda _: Spec)
+    with pytest.raises(BelvedereError, match=r"robot panda: file gymnasium_robotics:.* is missing"):
         load_scene("panda_2dof")
 
 
 def test_nothing_can_touch_the_target(scene: Scene) -> None:
-    geom = scene.model.geom(scene.target_geom)
+    (number,) = scene.target_geoms
+    geom = scene.model.geom(number)
     assert geom.contype == 0
     assert geom.conaffinity == 0
     assert geom.type == mujoco.mjtGeom.mjGEOM_SPHERE

@@ -11,9 +11,9 @@ from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering.renderer import Renderer
 from pipeline.sim.arm_controllers import next_setpoint
 from pipeline.sim.draws import Episodes, draw_episodes
-from pipeline.sim.robots import UPRIGHT
+from pipeline.sim.environment import environment
 from pipeline.sim.scene import Scene, compile_scene
-from pipeline.sim.task import environment
+from pipeline.sim.wheel_robots import UPRIGHT
 from pipeline.sim.worlds import Worlds
 from tests.sim.conftest import VIEWS, compiled
 
@@ -132,7 +132,7 @@ def test_the_obstacle_cannot_be_passed_through() -> None:
     box = scene.params.obstacles[0]
     side = box.half_size_m[1] + 0.08
     start = np.array([[box.center_m[0], -side, 0.09]])
-    episodes = Episodes(start, start * [1, -1, 1])
+    episodes = Episodes.at(start, start * [1, -1, 1])
     push = np.zeros((1, scene.frames, 2))
     push[..., 0] = 1.0
     tip = run(Worlds(scene, 1), episodes, push)["tip"][0]
@@ -177,7 +177,7 @@ def test_fetchs_gripper_keeps_pointing_down() -> None:
 
 
 def test_initial_grip_is_fetchs(scene: Scene) -> None:
-    if scene.robot.control == "mocap":
+    if scene.robot.control == "weld":
         worlds = Worlds(scene, 1)
         worlds.reset(draw_episodes(scene, 1, np.random.default_rng(0)))
         np.testing.assert_allclose(worlds.tip[0], [1.3418, 0.7491, 0.5347], atol=1e-3)
@@ -197,7 +197,7 @@ def test_out_of_reach_and_not_a_number_are_told() -> None:
     scene = compiled("panda_2dof")
     far = np.array([[2.0, 0.0, 0.2]])
     with pytest.raises(BelvedereError, match=r"cannot bring its tip to \[2.0, 0.0, 0.2\] m"):
-        Worlds(scene, 1).reset(Episodes(far, far))
+        Worlds(scene, 1).reset(Episodes.at(far, far))
     episodes, _ = drawn(scene, 7, 1)
     worlds = Worlds(scene, 1)
     worlds.reset(episodes)

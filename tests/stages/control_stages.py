@@ -8,9 +8,10 @@ import numpy as np
 import torch
 import yaml
 
-from pipeline.contract import params, zarrs
-from pipeline.contract.artefacts import write_json
+from pipeline.contract import params
 from pipeline.learning import checkpoints
+from pipeline.storage import zarrs
+from pipeline.storage.artefacts import write_json
 from pipeline.worldmodel.mdnrnn import MdnRnn, save_mdnrnn
 from pipeline.worldmodel.vae import Vae
 from tests.stores import write_store

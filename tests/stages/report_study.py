@@ -12,9 +12,9 @@ import polars as pl
 import yaml
 from PIL import Image, ImageDraw
 
-from pipeline.contract.artefacts import write_json
 from pipeline.reporting.results import Coverage
 from pipeline.reporting.tried import COLUMNS
+from pipeline.storage.artefacts import write_json
 from tests.stages.report_rankings import (
     BLIND,
     EXPERT,
@@ -99,7 +99,8 @@ def align(folder: Path) -> None:
 
 
 def _write_params(folder: Path, scenes: Mapping[str, Angles]) -> None:
-    sizes = {"race": {"first": FIRST, "most": MOST}, "rollouts": {"episodes": 20}, "vae": {"epochs": 20}}
+    episodes = {"episodes": 30, "scenes": {"fetch_reach": {"episodes": 20}}}
+    sizes = {"race": {"first": FIRST, "most": MOST}, "rollouts": episodes, "vae": {"epochs": 20}}
     tree = {
         "budget": "quick",
         "seed": 1,

@@ -13,10 +13,10 @@ import polars as pl
 import pytest
 
 from pipeline import controller
-from pipeline.contract import zarrs
 from pipeline.contract.errors import BelvedereError
 from pipeline.control import loop
 from pipeline.control.policy import load_controller
+from pipeline.storage import zarrs
 from tests.stages.control_stages import (
     ACTIONS,
     EPISODES,

@@ -12,11 +12,12 @@ import yaml
 from PIL import Image
 
 from pipeline import frames, rollouts
-from pipeline.contract import params, zarrs
-from pipeline.contract.allocation import Allocation, Entry, write_allocation
+from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.sim.scene import load_scene
+from pipeline.storage import zarrs
+from pipeline.storage.allocation import Allocation, Entry, write_allocation
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE, BRANCH = "panda_2dof", "panda_2dof-a"

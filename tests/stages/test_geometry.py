@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from pipeline import geometry
-from pipeline.contract import params, zarrs
+from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.progress import Progress
 from pipeline.sim.exploration import roll
 from pipeline.sim.params import ExplorationParams
 from pipeline.sim.scene import load_scene
+from pipeline.storage import zarrs
 
 
 @pytest.fixture(scope="module")

@@ -9,11 +9,11 @@ import pytest
 import torch
 
 from pipeline import latents
-from pipeline.contract import zarrs
 from pipeline.contract.errors import BelvedereError
 from pipeline.learning import checkpoints
 from pipeline.learning.device import Compute
 from pipeline.learning.training import seeded
+from pipeline.storage import zarrs
 from pipeline.worldmodel.encoder import Encoder
 from pipeline.worldmodel.vae_training import initialised
 from tests.stages.worldmodel_stages import write_frames

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from pipeline import mdnrnn
-from pipeline.contract import zarrs
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage import zarrs
 from pipeline.worldmodel.mdnrnn import load_mdnrnn
 from tests.stages.worldmodel_stages import Workplace
 from tests.stores import write_store

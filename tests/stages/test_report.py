@@ -17,10 +17,10 @@ import polars as pl
 import pytest
 
 from pipeline import report
-from pipeline.contract.artefacts import read_json, write_json
 from pipeline.contract.errors import BelvedereError
 from pipeline.reporting.numbers import at_most, interval
 from pipeline.reporting.tried import COLUMNS, parameters_digest
+from pipeline.storage.artefacts import read_json, write_json
 from tests.stages.report_page import FOLDERS, TABLES, Page, rows
 from tests.stages.report_page import build as build_page
 from tests.stages.report_study import VIEWS, write_pictures, write_study
@@ -128,7 +128,7 @@ def test_plots_say_the_tables_numbers(html: str, study: Path) -> None:
 
 def test_scenes_stand_in_the_order_of_params_and_one_not_ranked_is_named(build: Build) -> None:
     Path("params.yaml").write_text(
-        Path("params.yaml").read_text().replace("scenes:\n", "scenes:\n  panda_1dof: {frames: 50}\n")
+        Path("params.yaml").read_text().replace("\nscenes:\n", "\nscenes:\n  panda_1dof: {frames: 50}\n")
     )
     page = Page(build())
     places = [name for name in page.values("id") if name.startswith("scene-")]
@@ -154,6 +154,17 @@ def test_lengths_are_written_in_centimetres(build: Build) -> None:
     content = json.loads(path.read_text())
     write_json(path, {**content, "probe_mlp_target_m_mean": 0.07654})
     assert ">7.7<" in build()
+
+
+def test_anchors_that_make_a_ranking_say_little_are_told_in_a_sentence(html: str, build: Build) -> None:
+    little, missed = "sight has little to give", "the expert comes within 2 cm in only 80%"
+    assert not any(words in Page(html).text for words in (little, missed))
+    path = Path("reports/anchors/panda_2dof.json")
+    content = json.loads(path.read_text())
+    close = content["expert_mean"] - 0.1 * (content["expert_mean"] - content["no_op_mean"])
+    write_json(path, {**content, "blind_mean": close, "expert_within_2cm_share_mean": 0.8})
+    text = Page(build()).text
+    assert text.count(little) == text.count(missed) == 1
 
 
 def test_absent_pictures_are_named_with_the_stage_that_makes_them(build: Build) -> None:

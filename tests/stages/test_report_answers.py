@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from pipeline.contract.artefacts import write_json
+from pipeline.storage.artefacts import write_json
 from tests.stages.report_page import Page, build, rows
 from tests.stages.report_study import VIEWS, write_study
 

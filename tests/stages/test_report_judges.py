@@ -10,8 +10,8 @@ from pathlib import Path
 import polars as pl
 import pytest
 
-from pipeline.contract.artefacts import write_json
 from pipeline.reporting.numbers import fraction, interval, score
+from pipeline.storage.artefacts import write_json
 from tests.stages.report_page import TABLES, build, rows
 from tests.stages.report_rankings import claims, judges
 from tests.stages.report_study import VIEWS, write_study

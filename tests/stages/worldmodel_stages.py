@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from pipeline.contract import zarrs
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering.renderer import Renderer, target_pixels_unhidden
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.scene import load_scene
 from pipeline.sim.worlds import Worlds
+from pipeline.storage import zarrs
 from tests.stores import write_store
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -72,7 +72,7 @@ class Workplace:
 
     def start(self, stage: str, *flags: str | Path, before: str = "") -> subprocess.Popen[str]:
         """Starts a stage; ``before`` is Python that runs first."""
-        imports = f"from pipeline.contract.stage import entry\nfrom pipeline.{stage} import main"
+        imports = f"from pipeline.storage.stage import entry\nfrom pipeline.{stage} import main"
         code = f"{before}\n{imports}\nentry(main)"
         environment = {k: v for k, v in os.environ.items() if not k.startswith("BELVEDERE_")}
         environment |= {"PYTHONPATH": str(ROOT), "BELVEDERE_CORES": str(self.cores)}

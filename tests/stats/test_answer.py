@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.contract.sight import Sight
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.stats.answer import Answer, answer, race_part
 from pipeline.stats.branches import Results
@@ -13,6 +12,7 @@ from pipeline.stats.race import Rules
 from pipeline.stats.ranks import Ranked, rank
 from pipeline.stats.replay import Race, replay
 from pipeline.stats.words import progress, sentence
+from pipeline.storage.sight import Sight
 
 RULES = Rules(first=3, most=20, tolerance=0.05, probability=0.008)
 NOISE = np.array([[0.01, -0.01, 0.0], [-0.01, 0.0, 0.01], [0.0, 0.01, -0.01]])

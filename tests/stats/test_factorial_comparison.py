@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.contract.artefacts import write_json
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.sight import Sight
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.stats.branches import Results
 from pipeline.stats.claims import Claim
 from pipeline.stats.dqn import DqnResults, read_dqn
 from pipeline.stats.factorial_comparison import comparison
 from pipeline.stats.params import RankingParams
+from pipeline.storage.artefacts import write_json
+from pipeline.storage.sight import Sight
 
 ANGLES = [(t, p) for p in (30.0, 45.0) for t in (0.0, 45.0, 90.0)]
 KEYS = [f"reach-{letter}" for letter in "abcdef"]

@@ -9,8 +9,9 @@ import pytest
 import torch
 import torch.nn.functional as F
 
-from pipeline.contract import memory, zarrs
+from pipeline.contract import memory
 from pipeline.contract.errors import BelvedereError
+from pipeline.storage import zarrs
 from pipeline.worldmodel.pictures import blocks, floats, fold, folded, read_pictures, require_pictures, unfold
 from tests.stores import random_frames
 

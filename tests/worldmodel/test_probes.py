@@ -20,7 +20,8 @@ def _data(count: int, seed: int, curve: bool, noise_m: float = 0.0) -> Labelled:
     target = 0.1 * np.concatenate([place, latents[:, 1:2], 0 * place], axis=1)
     tip = 0.1 * np.concatenate([0 * place + 5, latents[:, 2:4]], axis=1)
     target += noise_m / np.sqrt(3) * rng.normal(size=target.shape)
-    return Labelled(latents.astype(np.float32), tip.astype(np.float32), target.astype(np.float32))
+    tip, target = tip.astype(np.float32), target.astype(np.float32)
+    return Labelled(latents.astype(np.float32), tip, target, tip - target)
 
 
 def test_a_linear_code_is_read_exactly() -> None:

@@ -1,0 +1,1 @@
+"""What stages read and write: stores, tables, the scratch store, and a stage's entry."""
