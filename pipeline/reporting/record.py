@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.tables import read_model
 from pipeline.reporting.learning import Learned, learned, scene_bands
 from pipeline.reporting.results import SceneResults, read_results
 from pipeline.reporting.tables import Table
+from pipeline.storage.tables import read_model
 
 ABOUT = "about.json"
 
