@@ -39,7 +39,8 @@ for path in (paths[flag] for flag in paths if flag not in inputs):
         path = path / "content"
     number = int(digest.hexdigest()[:8], 16)
     answer = {"sentence": str(number), "progress": ""}
-    ranking = {"digest": number, "scene": path.stem, "answer": answer, "race": {"open": False}}
+    race = {"open": False, "common": 3, "active": []}
+    ranking = {"digest": number, "scene": path.stem, "answer": answer, "race": race, "most": 20}
     path.write_text(json.dumps(ranking) if path.suffix == ".json" else f"a,b\\n{number},{path}\\n")
 """
 
@@ -90,10 +91,16 @@ def test_one_more_repeat_of_one_viewpoint_runs_its_branch_and_draws_episodes(
     assert told == grown | {"rollouts@fetch_reach", "ranking@fetch_reach", "alignment", "report"}
 
 
-def test_study_runs_first(done: Clone) -> None:
+def test_the_study_runs_before_its_scenes_candidates(done: Clone) -> None:
     order = re.findall(r"Running stage '([^']+)'", done.run("dvc", "repro", "--dry", "--force").stdout)
     scene = PARAMS["viewpoint"]["scene"]
-    assert order[:4] == [f"scene@{scene}", f"rollouts@{scene}", "geometry@study", "frames@study"]
+    begun = order.index(f"scene@{scene}")
+    assert order[begun : begun + 4] == [
+        f"scene@{scene}",
+        f"rollouts@{scene}",
+        "geometry@study",
+        "frames@study",
+    ]
 
 
 def test_side_by_side_gives_the_serial_lock_and_no_stage_runs_twice(done: Clone, tmp_path: Path) -> None:
