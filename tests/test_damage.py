@@ -29,7 +29,9 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         patch.setenv("BELVEDERE_SCRATCH", str(folder / "scratch"))
         patch.setenv("BELVEDERE_CORES", "1")
         patch.setenv("BELVEDERE_DEVICE", "cpu")
-        patch.setattr(stage, "_others_work", lambda: False)  # or a stage that fails ends this process at once
+        patch.setattr(
+            stage, "_others_work", lambda _: False
+        )  # or a stage that fails ends this process at once
         write_inputs(folder)
         for step in (step for name in IN_ORDER for step in steps(name)):
             step.run()
