@@ -75,7 +75,7 @@ def test_bad_input_ends_with_one_sentence_and_status_1(capsys: pytest.CaptureFix
 
 
 def test_workers_of_others_do_not_end_the_process_at_once() -> None:
-    """In a process that runs stages one after the other, as tests do, workers of an earlier one may be alive."""
+    """In a process that runs one stage after the other, workers of an earlier one may be alive."""
 
     def main() -> None:
         raise unknown("viewpoint", "fron", ["front"])
