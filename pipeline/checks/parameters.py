@@ -17,6 +17,7 @@ from pipeline.sim.params import ExplorationParams, RolloutSizes, SceneParams
 from pipeline.sim.robot_files import robot_file
 from pipeline.sim.robot_params import RobotParams, robot_params
 from pipeline.sim.robots import build_robot
+from pipeline.station.params import station_params
 from pipeline.stats.params import RankingParams
 from pipeline.storage.stage import entry
 from pipeline.study.params import PeopleParams
@@ -52,6 +53,7 @@ OTHERS = (
     "sight_share",
     "robots",
     "scenes",
+    "station",
 )
 
 
@@ -75,6 +77,7 @@ def check(path: Path = params.PARAMS_FILE) -> None:
             raise unknown(f"{path}: scene of viewpoint {key}", view.scene, scenes)
     for name, model in METHODS.items():
         _section(model, (name,), scenes, path)
+    station_params(path)
     for scene in params.section(DqnParams, "dqn", path=path).scenes:
         if scene not in scenes:
             raise unknown(f"{path}: scene below dqn.scenes", scene, scenes)
