@@ -74,7 +74,7 @@ export class Inputs {
   /** {left, right, source, device, pressed: buttons that were not down before, lost: the gamepad in use went away}. */
   read() {
     const { standard } = this.pads();
-    const keys = readKeys(new Set([...this.held, ...this.tapped]));
+    const keys = readKeys(new Set([...this.tapped, ...this.held]));
     const pad = standard ? readGamepad(standard) : null;
     const used = this.source;
     if (this.tapped.size > 0) this.source = "keyboard";
