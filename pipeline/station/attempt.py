@@ -14,6 +14,7 @@ from pipeline.station.sticks import Sticks
 from pipeline.station.world import World
 
 GRASPED, TIMEOUT, ABORTED = "grasped", "timeout", "aborted"
+_HOME_WITHIN_S = 5.0
 COLUMNS = (
     *("t_s", "wall_s", "tip_x_m", "tip_y_m", "tip_z_m"),
     *("action_x", "action_y", "action_z", "gripper"),
@@ -61,7 +62,7 @@ class _Marks:
     released: bool = False  # the sticks, since the attempt began
     first_s: float | None = None  # the clock at the first input
     first_frame: int = 0
-    returning: bool = False
+    returning_until: int | None = None  # frame at which the way home is given up
     inputs: int = 0
     source: Push | None = None
     path_m: float = 0.0
@@ -131,11 +132,11 @@ class Attempt:
         for push in taken.pushes:
             if not self._sticks.action(push.left, push.right).any():
                 marks.released = True
-            elif marks.released and not marks.returning:
+            elif marks.released and marks.returning_until is None:
                 self._moved(push)
         for name, at_s in taken.buttons:
             if name == "start" and marks.first_s is not None:
-                marks.returning = True
+                marks.returning_until = marks.frame + round(_HOME_WITHIN_S / self._frame_s)
             if name == "a" and marks.first_s is not None:
                 self._end(GRASPED, at_s, now_s)
                 self.world.close()
@@ -152,11 +153,11 @@ class Attempt:
 
     def _action(self, push: Push) -> np.ndarray:
         marks = self._marks
-        if marks.returning:
+        if marks.returning_until is not None:
             home = self.world.homeward()
-            if home is not None:
+            if home is not None and marks.frame < marks.returning_until:
                 return home
-            marks.returning = marks.released = False
+            marks.returning_until, marks.released = None, False
         if not marks.released or marks.first_s is None:
             return np.zeros(self.world.scene.action_size)
         return self._sticks.action(push.left, push.right)

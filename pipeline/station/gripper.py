@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import mujoco
@@ -10,6 +11,7 @@ import numpy as np
 from pipeline.sim.robot import arm_actuators
 from pipeline.sim.scene import Scene, initial_data
 
+_OF_CLEARANCE = 1 / 4  # the Panda's finger itself takes most of the rest
 _JOINTS = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
 
 
@@ -69,7 +71,8 @@ def gripper_of(scene: Scene) -> Gripper:
     """The gripper of the scene's robot: position actuators of joints beyond the body of the tip.
 
     Which end of such an actuator's range is the open one follows from the model: there the finger is farther
-    from the tip.
+    from the tip. Where there are obstacles, fingers open by :data:`_OF_CLEARANCE` of the obstacles' clearance
+    only: starts and targets are that near to obstacles, and the model's gripper is closed.
     """
     model, arm = scene.model, set(arm_actuators(scene.model, scene.robot).tolist())
     hand = int(model.site_bodyid[scene.tip_site])
@@ -81,7 +84,8 @@ def gripper_of(scene: Scene) -> Gripper:
         and model.actuator_ctrllimited[actuator]
         and _is_below(model, int(model.jnt_bodyid[model.actuator_trnid[actuator, 0]]), hand)
     ]
-    ends = [_ends(scene, actuator, joint) for actuator, joint in found]
+    clearance_m = scene.params.obstacle_clearance_m if scene.params.obstacles else math.inf
+    ends = [_ends(scene, actuator, joint, _OF_CLEARANCE * clearance_m) for actuator, joint in found]
     return Gripper(
         actuators=np.array([actuator for actuator, _ in found], dtype=int),
         joints=np.array([joint for _, joint in found], dtype=int),
@@ -96,8 +100,8 @@ def _is_below(model: mujoco.MjModel, body: int, ancestor: int) -> bool:
     return body == ancestor
 
 
-def _ends(scene: Scene, actuator: int, joint: int) -> tuple[float, float]:
-    """The open and the closed end of an actuator's range."""
+def _ends(scene: Scene, actuator: int, joint: int, most: float) -> tuple[float, float]:
+    """The open end of an actuator's range, at most so far from the closed one, and the closed one."""
     model, data = scene.model, initial_data(scene)
     low, high = model.actuator_ctrlrange[actuator]
     reach = []
@@ -106,4 +110,5 @@ def _ends(scene: Scene, actuator: int, joint: int) -> tuple[float, float]:
         mujoco.mj_kinematics(model, data)
         finger = data.xipos[model.jnt_bodyid[joint]]
         reach.append(float(np.linalg.norm(finger - data.site_xpos[scene.tip_site])))
-    return (high, low) if reach[1] > reach[0] else (low, high)
+    opened, closed = (high, low) if reach[1] > reach[0] else (low, high)
+    return closed + float(np.clip(opened - closed, -most, most)), float(closed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import time
 from collections import deque
@@ -69,7 +70,8 @@ class Link:
 
     async def run(self) -> None:
         """Sends until the page is gone."""
-        await asyncio.gather(self._say_all(), self.feed.run())
+        with contextlib.suppress(ConnectionError):
+            await asyncio.gather(self._say_all(), self.feed.run())
 
     async def _say_all(self) -> None:
         while True:

@@ -196,10 +196,11 @@ async def operate(
     """
     at, report = urlsplit(link), Report() if report is None else report
     origin, address = f"{at.scheme}://{at.netloc}", f"ws://{at.netloc}/ws"
+    ended = contextlib.suppress(aiohttp.ClientError, ConnectionError)
     async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as session:
-        async with session.get(link) as answer:
-            answer.raise_for_status()
-        with contextlib.suppress(aiohttp.ClientError, ConnectionError):  # the station ended
+        with ended:
+            async with session.get(link) as answer:
+                answer.raise_for_status()
             async with session.ws_connect(address, headers={"Origin": origin}, max_msg_size=0) as socket:
                 await Client(socket, operator, station, rng, practise_s, report).run()
     return report

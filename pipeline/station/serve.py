@@ -80,9 +80,9 @@ class Station:
         study.require_kind(self._operator)
         self._params = self._plan.params if self._plan else station_params(tasks=asked.scenes)
         self._texts = read_texts()
+        self._views = compared_views(self._params, asked.views)
         print("compiling the scenes …")
         self._stage = Stage(self._params.tasks)
-        self._views = compared_views(self._params, asked.views)
         if self._plan is not None:
             self._require_same_scenes(self._plan)
         for name in self._stage.without_gripper():

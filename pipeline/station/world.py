@@ -17,7 +17,7 @@ from pipeline.sim.tasks.base import State
 from pipeline.sim.worlds import start_fields
 from pipeline.station.gripper import gripper_of
 
-_HOME_M = 0.002  # nearer to its start than this the tip is back
+_HOME_M = 0.005  # so near to its start the tip is back: friction holds it on the last of the way
 
 
 class World:
