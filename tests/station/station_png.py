@@ -16,7 +16,7 @@ from tests.station.participant import SIMULATED_CLOCK, Participant, Walk
 from tests.station.sessions import small_station
 
 _MOST_BYTES = 150_000
-_COLOURS = 128
+_COLOURS = 256
 
 
 def trial_page(chromium: str, folder: Path) -> bytes:
@@ -27,7 +27,7 @@ def trial_page(chromium: str, folder: Path) -> bytes:
         Started(["--study", "study", "--port", "0"], folder) as station,
         chromium_browser(chromium) as browser,
     ):
-        watched = Watched(browser, width=1000, height=820)
+        watched = Watched(browser, width=1120, height=900)
         watched.context.add_init_script(SIMULATED_CLOCK)
         watched.page.goto(station.link)
         watched.connect_pad()

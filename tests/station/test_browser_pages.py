@@ -66,6 +66,28 @@ def test_the_picture_takes_the_window(looked: Watched, told: ToldStation) -> Non
     assert looked.page.evaluate("document.documentElement.scrollHeight <= window.innerHeight")
 
 
+def test_the_picture_has_one_size_in_all_tasks_in_practice_and_beside_a_full_bar(
+    watched: Watched, told: ToldStation
+) -> None:
+    boxes = []
+    for number, (name, scene, axes) in enumerate(
+        [
+            ("trial", "panda_1dof", ["z"]),
+            ("trial", "panda_2dof_obstacle", ["y", "z"]),
+            ("practice", "fetch_reach", ["x", "y", "z"]),
+        ]
+    ):
+        told.show(name, **{**PAGES[name], "scene": scene, "axes": axes})
+        watched.shown(name)
+        for status in (STATUS | {"flags": []}, STATUS):
+            told.send(picture(2 * number + (status is STATUS) + 1))
+            watched.page.wait_for_selector("canvas:not(.empty)")
+            boxes.append(watched.page.locator("canvas").bounding_box())
+            told.send(status)
+            watched.wait(0.1)
+    assert boxes == [boxes[0]] * len(boxes)
+
+
 def test_axe_would_find_a_barrier(watched: Watched) -> None:
     watched.page.evaluate("document.querySelector('main').append(document.createElement('button'))")
     assert Axe().run(watched.page).violations_count > 0
