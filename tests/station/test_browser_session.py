@@ -87,7 +87,8 @@ def test_the_sticks_led_to_the_target(walk: Walk) -> None:
         if line["outcome"] != "grasped" or line["scene"] == "panda_2dof_obstacle":
             continue  # the block may stand in the straight way
         before = math.dist(line["start_m"], line["target_m"])
-        assert line["distance_m"] < max(0.05, before / 2)
+        # the Panda follows at about half the speed that a stick asks for (docs/station.md)
+        assert line["distance_m"] < max(0.05, 0.75 * before)
         assert line["distance_m"] == pytest.approx(math.dist(line["tip_m"], line["target_m"]), abs=1e-3)
 
 

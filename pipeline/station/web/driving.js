@@ -40,7 +40,7 @@ function drive({ texts, screen, press }, data, title, extra) {
     parts: [
       el("div", { class: "above" }, heading(title), extra, button(words.pause, () => press("pause"), { class: "quiet" })),
       el("div", { class: "view" }, screen.canvas, waiting),
-      el("p", { class: "below" }, sentence, " ", freeAxes(texts, data)),
+      el("p", { class: "below" }, el("span", {}, sentence), " ", el("span", {}, freeAxes(texts, data))),
     ],
   };
 }

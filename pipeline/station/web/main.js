@@ -91,8 +91,8 @@ class Station {
     const state = this.inputs.read();
     if (this.page.driving) this.#drive(state, now);
     else if (state.pressed.includes("a")) this.page.primary?.click();
-    this.page.update?.(state, now);
     this.#drawn();
+    this.page.update?.(state, now); // after drawing: it shows the canvas in the frame of its first picture
   };
 
   #drive(state, now) {
