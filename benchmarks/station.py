@@ -12,7 +12,7 @@ import asyncio
 import contextlib
 import tempfile
 import threading
-import time
+from collections.abc import Coroutine
 from pathlib import Path
 
 import numpy as np
@@ -24,23 +24,22 @@ from pipeline.contract import params
 from pipeline.contract.yamls import read_yaml
 from pipeline.scripted.params import OperatorParams
 from pipeline.station.operate import Report, operate
-from pipeline.station.params import StationParams, station_params
+from pipeline.station.params import station_params
 from pipeline.station.started import Started
 
 SECONDS = 60.0
 RATE, LATENCY_MS, GROWTH_MIB = 24.9, 60.0, 16.0
-_WARM_S = 20.0  # from there on memory is watched: until then scenes are drawn for the first time
 _SAMPLE_S = 1.0
 
 
 class Memory(threading.Thread):
-    """What a process holds, once a second."""
+    """What a process holds, MiB, once a second from when every view was shown."""
 
-    def __init__(self, process: int) -> None:
+    def __init__(self, process: int, report: Report, views: int) -> None:
         super().__init__(name="memory", daemon=True)
         self._process, self._ends = psutil.Process(process), threading.Event()
-        self._begin_s = time.monotonic()
-        self.samples: list[tuple[float, float]] = []
+        self._report, self._views = report, views
+        self.samples: list[float] = []
 
     def run(self) -> None:
         while not self._ends.wait(_SAMPLE_S):
@@ -48,20 +47,20 @@ class Memory(threading.Thread):
                 mib = self._process.memory_info().rss / 2**20
             except psutil.NoSuchProcess:
                 return
-            self.samples.append((time.monotonic() - self._begin_s, mib))
+            if self._report.pages.count("practice") > self._views:
+                self.samples.append(mib)
 
     def stop(self) -> None:
         """Ends the watching."""
         self._ends.set()
         self.join()
 
-    def growth_mib(self, warm_s: float) -> float | None:
-        """By how much the last tenth lies above the first one after ``warm_s``; None of too short a run."""
-        held = [mib for at_s, mib in self.samples if at_s >= warm_s]
-        tenth = len(held) // 10
+    def growth_mib(self) -> float | None:
+        """By how much the last tenth lies above the first one; None of too short a run."""
+        tenth = len(self.samples) // 10
         if tenth < 1:
             return None
-        return float(np.median(held[-tenth:]) - np.median(held[:tenth]))
+        return float(np.median(self.samples[-tenth:]) - np.median(self.samples[:tenth]))
 
 
 def measure(seconds: float = SECONDS) -> list[Row]:
@@ -73,13 +72,13 @@ def measure(seconds: float = SECONDS) -> list[Row]:
         operator, station = params.section(OperatorParams, "operator", path=path), station_params(path)
         words = ["--operator", "scripted", "--study", "study", "--port", "0"]
         with Started(words, folder, quiet=True) as started:
-            memory = Memory(started.process.pid)
+            report = Report()
+            memory = Memory(started.process.pid, report, len(station.tasks) * station.views_per_task)
             memory.start()
-            rng = np.random.default_rng(1)
-            report = asyncio.run(_drive(started.link, operator, station, rng, seconds))
+            driving = operate(started.link, operator, station, np.random.default_rng(1), None, report)
+            asyncio.run(_for(seconds, driving))
             memory.stop()
-    warm_s = min(_WARM_S, seconds / 3)
-    return _rows(report, memory.growth_mib(warm_s), seconds)
+    return _rows(report, memory.growth_mib(), seconds)
 
 
 def _write_parameters(folder: Path, seconds: float) -> None:
@@ -89,18 +88,10 @@ def _write_parameters(folder: Path, seconds: float) -> None:
     (folder / params.PARAMS_FILE).write_text(yaml.safe_dump(tree, allow_unicode=True), encoding="utf-8")
 
 
-async def _drive(
-    link: str,
-    operator: OperatorParams,
-    station: StationParams,
-    rng: np.random.Generator,
-    seconds: float,
-) -> Report:
-    """Drives in practice for so long."""
-    report = Report()
+async def _for(seconds: float, driving: Coroutine[None, None, Report]) -> None:
+    """Drives for so long."""
     with contextlib.suppress(TimeoutError):
-        await asyncio.wait_for(operate(link, operator, station, rng, None, report), seconds)
-    return report
+        await asyncio.wait_for(driving, seconds)
 
 
 def _rows(report: Report, growth_mib: float | None, seconds: float) -> list[Row]:

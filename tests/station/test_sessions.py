@@ -13,6 +13,7 @@ import pytest
 
 from pipeline.station.attempt import COLUMNS
 from pipeline.station.columns import TRIAL_COLUMNS
+from pipeline.station.started import Started
 from pipeline.study.records import TrialRecord
 from tests.station.sessions import code_of, drive, file_of, lines_of, small_station, start
 
@@ -93,30 +94,40 @@ def test_the_scripted_operator_may_not_join_people(complete: Path) -> None:
 
 @pytest.mark.parametrize("kills", [1, pytest.param(10, marks=pytest.mark.slow)])
 def test_a_killed_server_loses_and_doubles_no_finished_trial(kills: int, tmp_path: Path) -> None:
-    folder = small_station(tmp_path, trials=2 if kills == 1 else 8)
+    folder = small_station(tmp_path, trials=2 if kills == 1 else 14)
     rng = np.random.default_rng(kills)
     arguments: list[str] = []
     for _ in range(kills):
         before = kept(folder)
         with start(folder, *arguments) as station:
-            killer = threading.Thread(target=kill_later, args=(station, folder, rng.uniform(0.0, 5.0)))
+            after_s = rng.uniform(0.0, 1.0 if kills == 1 else 3.0)
+            killer = threading.Thread(target=kill_later, args=(station, folder, attempts(folder), after_s))
             killer.start()
             report = drive(folder, station.link)
             killer.join()
         assert not report.done
         assert kept(folder)[: len(before)] == before
         arguments = ["resume", code_of(folder)]
+    before = kept(folder)
     with start(folder, *arguments) as station:
         assert drive(folder, station.link).done, station.lines
-    check_whole(folder, kept_before=before)
+    check_whole(folder, before)
+    if kills > 1:
+        assert "aborted" in "".join(kept(folder))
 
 
-def kill_later(station: object, folder: Path, after_s: float) -> None:
-    """kill -9, some time after the plan is on disk."""
-    while not list((folder / "study").glob("sub-*/beh/*_plan.json")):
-        time.sleep(0.01)
+def kill_later(station: Started, folder: Path, had: int, after_s: float) -> None:
+    """kill -9, some time after this server's first attempt began: in it, as it is recorded, or later."""
+    while attempts(folder) <= had:
+        time.sleep(0.005)
     time.sleep(after_s)
-    station.process.kill()  # type: ignore[attr-defined]
+    station.process.kill()
+
+
+def attempts(folder: Path) -> int:
+    """How many attempts have begun."""
+    found = list((folder / "study").glob("sub-*/beh/*_events.jsonl"))
+    return found[0].read_text(encoding="utf-8").count('"event": "attempt"') if found else 0
 
 
 def kept(folder: Path) -> list[str]:
