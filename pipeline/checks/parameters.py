@@ -12,6 +12,7 @@ from pipeline.contract.errors import unknown
 from pipeline.contract.viewpoints import NAME, named_viewpoints
 from pipeline.control.params import ControllerParams, EvaluationSizes, SearchSizes
 from pipeline.qlearning.params import DqnParams, DqnSizes
+from pipeline.scripted.params import OperatorParams
 from pipeline.sim.params import ExplorationParams, RolloutSizes, SceneParams
 from pipeline.sim.robot_files import robot_file
 from pipeline.sim.robot_params import RobotParams, robot_params
@@ -24,6 +25,7 @@ METHODS: dict[str, type[params.Section]] = {
     "controller": ControllerParams,
     "dqn": DqnParams,
     "mdnrnn": MdnRnnParams,
+    "operator": OperatorParams,
     "ranking": RankingParams,
     "rollouts": ExplorationParams,
     "vae": VaeParams,
