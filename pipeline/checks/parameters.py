@@ -19,6 +19,7 @@ from pipeline.sim.robot_params import RobotParams, robot_params
 from pipeline.sim.robots import build_robot
 from pipeline.stats.params import RankingParams
 from pipeline.storage.stage import entry
+from pipeline.study.params import PeopleParams
 from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes, VaeParams, VaeSizes
 
 METHODS: dict[str, type[params.Section]] = {
@@ -26,6 +27,7 @@ METHODS: dict[str, type[params.Section]] = {
     "dqn": DqnParams,
     "mdnrnn": MdnRnnParams,
     "operator": OperatorParams,
+    "people": PeopleParams,
     "ranking": RankingParams,
     "rollouts": ExplorationParams,
     "vae": VaeParams,

@@ -1,8 +1,8 @@
 """The scripted operator's control law, for any number of operators at a time.
 
-Every ``look_s`` it looks at the way still to go, with an error; ``reaction_s`` later it moves by that look, in
-proportion to the way and at most at its speed. It closes the gripper once it has believed for ``dwell_s`` to be
-near enough. Nothing of it is a model of people.
+Every ``look_s`` it looks at the way still to go, with an error. ``reaction_s`` later it moves by that look,
+in proportion to the way and at most at its speed. It closes the gripper once it has believed for ``dwell_s``
+to be near enough. Nothing of it is a model of people.
 """
 
 from __future__ import annotations
