@@ -1,4 +1,4 @@
-"""A line of a session's ``…_trials.jsonl``: one ended attempt, which the station writes and `trials` reads."""
+"""A line of a session's ``…_trials.jsonl``, one ended attempt: the station writes it, `trials` reads it."""
 
 from __future__ import annotations
 
