@@ -6,7 +6,7 @@ more practice is due.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,7 @@ class Change:
 
     Attributes:
         people: who contributed.
-        change, low, high: their geometric mean and its t interval; ``None`` with fewer than two people.
+        change, low, high: their geometric mean and its t interval; ``None`` where so few tell of no spread.
         p: of no change, two-sided.
     """
 
@@ -52,7 +52,7 @@ def slope_within(blocks: Sequence[tuple[np.ndarray, np.ndarray]]) -> float | Non
 def from_block_to_block(first: np.ndarray, second: np.ndarray) -> float | None:
     """A person's change of the mean logarithm from a task's first block to its second.
 
-    It holds the views' difference, too, which goes out over people whose views come in balanced order.
+    It holds the views' difference, too, which :func:`over_orders` takes out.
     """
     if not len(first) or not len(second) or min(np.min(first), np.min(second)) <= 0:
         return None
@@ -61,11 +61,26 @@ def from_block_to_block(first: np.ndarray, second: np.ndarray) -> float | None:
 
 def over_people(changes: Sequence[float], alpha: float) -> Change:
     """The mean change of the logarithm, told as a relative change."""
-    n = len(changes)
-    values = np.asarray(changes, dtype=float)
-    if n < 2 or not np.std(values) > 0:
+    return over_orders({"": changes}, alpha)
+
+
+def over_orders(changes: Mapping[str, Sequence[float]], alpha: float) -> Change:
+    """The mean change over people who had the views in different orders, each order weighing the same.
+
+    Args:
+        changes: of the logarithm, by what came first; people of an order share the views' difference, so the
+            spread among people is that within orders, and half of one order and half of the other hold none
+            of it.
+        alpha: of the interval.
+    """
+    groups = [np.asarray(own, dtype=float) for own in changes.values() if len(own)]
+    n = sum(map(len, groups))
+    df = n - len(groups)
+    squares = sum(float(((own - own.mean()) ** 2).sum()) for own in groups)
+    if df < 1 or not squares > 0:
         return Change(n, None, None, None, None)
-    mean, se = float(values.mean()), float(stats.sem(values))
-    half = float(stats.t.isf(alpha / 2, n - 1)) * se
+    mean = float(np.mean([own.mean() for own in groups]))
+    se = float(np.sqrt(squares / df * sum(1 / len(own) for own in groups))) / len(groups)
+    half = float(stats.t.isf(alpha / 2, df)) * se
     change, low, high = (float(np.expm1(v)) for v in (mean, mean - half, mean + half))
-    return Change(n, change, low, high, float(2 * stats.t.sf(abs(mean) / se, n - 1)))
+    return Change(n, change, low, high, float(2 * stats.t.sf(abs(mean) / se, df)))

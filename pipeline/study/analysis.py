@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 import polars as pl
 
 from pipeline.stats.people import Measured, least_people
-from pipeline.stats.practice import from_block_to_block, over_people, slope_within
+from pipeline.stats.practice import from_block_to_block, over_orders, over_people, slope_within
 from pipeline.study.means import VIEW
 from pipeline.study.trials import COUNTS
 
@@ -60,19 +60,20 @@ def learning(course: pl.DataFrame, alpha: float, synthetic: bool) -> list[dict[s
     for (scene,), own in course.group_by("scene", maintain_order=True):
         people = [person for _, person in own.group_by("participant", maintain_order=True)]
         for measure, _, column, _ in MEASURES:
-            changes = {
-                "per_trial": [s for p in people if (s := slope_within(list(_blocks(p, column)))) is not None],
-                "per_block": [s for p in people if (s := _second_block(p, column)) is not None],
-            }
-            enough = {name: values if len(values) >= least else [] for name, values in changes.items()}
-            told = {name: asdict(over_people(values, alpha)) for name, values in enough.items()}
+            slopes = [s for p in people if (s := slope_within(list(_blocks(p, column)))) is not None]
+            orders = _second_blocks(people, column)
+            within = over_people(slopes if len(slopes) >= least else [], alpha)
+            # with one order only, the views' difference and what is learned cannot be told apart
+            both = len(orders) == 2 and sum(map(len, orders.values())) >= least
+            between = over_orders(orders if both else {}, alpha)
+            told = {"per_trial": asdict(within), "per_block": asdict(between)}
             rows.append({"scene": scene, "measure": measure, **told})
     return rows
 
 
 def course_of_all(course: pl.DataFrame, synthetic: bool) -> list[dict[str, Any]]:
     """By trial of the session: the people's geometric mean, relative to their own under the same view."""
-    columns = {"time": "relative_time", "distance error": "relative_distance"}
+    columns = {"time": "relative_time", "distance": "relative_distance"}
     grouped = course.group_by("trial").agg(
         pl.len().alias("people"),
         *(pl.col(column).log().mean().exp().alias(name) for name, column in columns.items()),
@@ -85,6 +86,12 @@ def _blocks(person: pl.DataFrame, column: str) -> Iterator[tuple[np.ndarray, np.
         yield block["place"].to_numpy(), block[column].to_numpy()
 
 
-def _second_block(person: pl.DataFrame, column: str) -> float | None:
-    first, second = (person.filter(pl.col("turn") == n)[column].to_numpy() for n in (1, 2))
-    return from_block_to_block(first, second)
+def _second_blocks(people: Sequence[pl.DataFrame], column: str) -> dict[str, list[float]]:
+    """Of each person the change from first block to second, by the view that came first."""
+    found: dict[str, list[float]] = {}
+    for person in people:
+        turns = [person.filter(pl.col("turn") == n) for n in (1, 2)]
+        change = from_block_to_block(*(turn[column].to_numpy() for turn in turns))
+        if change is not None:
+            found.setdefault(str(turns[0]["view"][0]), []).append(change)
+    return found

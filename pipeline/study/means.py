@@ -16,9 +16,9 @@ MEANS: dict[str, pl.DataType] = {
     "phi": pl.Float64(), "trials": pl.Int64(), "time_s": pl.Float64(), "distance_m": pl.Float64(),
 }  # fmt: skip
 COURSE: dict[str, pl.DataType] = {
-    "participant": pl.String(), "session": pl.Int64(), "scene": pl.String(), "trial": pl.Int64(),
-    "turn": pl.Int64(), "place": pl.Int64(), "time_s": pl.Float64(), "distance_m": pl.Float64(),
-    "relative_time": pl.Float64(), "relative_distance": pl.Float64(),
+    "participant": pl.String(), "session": pl.Int64(), "scene": pl.String(), "view": pl.String(),
+    "trial": pl.Int64(), "turn": pl.Int64(), "place": pl.Int64(), "time_s": pl.Float64(),
+    "distance_m": pl.Float64(), "relative_time": pl.Float64(), "relative_distance": pl.Float64(),
 }  # fmt: skip
 
 
