@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline.contract import params
 from pipeline.stats.agreement import Published, Ranking, agreements, compare
-from pipeline.stats.people import rows, tests_of, view_pairs
+from pipeline.stats.people import compared_pairs, rows, view_pairs
 from pipeline.stats.published import implied
 from pipeline.storage.artefacts import write_json, writing
 from pipeline.storage.stage import entry
@@ -37,7 +37,7 @@ def main(*, trials: Path, subjects: Path, rankings: Path, out: Path, points: Pat
     )
     means, trial_by_trial, synthetic = person_means(own), course(own), analysis.is_synthetic(own)
     pairs = view_pairs(analysis.measured(means), [(row.scene, *row.views) for row in published])
-    tested = tests_of(pairs, asked.alpha, asked.power, synthetic)
+    tested = compared_pairs(pairs, asked.alpha, asked.power, synthetic)
     summary = analysis.summary(own)
     together = [*published, *(rows(tested, summary["source"]) if summary else [])]
     found = {scene: rankings / f"{scene}.json" for scene in params.value("scenes")}

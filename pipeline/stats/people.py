@@ -80,7 +80,7 @@ def view_pairs(measured: Sequence[Measured], order: Sequence[tuple[str, View, Vi
     return found
 
 
-def tests_of(
+def compared_pairs(
     pairs: Sequence[Sequence[Measured]], alpha: float, power: float, synthetic: bool
 ) -> list[Tested]:
     """All tests of all pairs, Holm's correction over the family of each kind of test, and the next study."""
