@@ -87,21 +87,21 @@ def test_looks_err_as_declared_and_as_the_view_adds() -> None:
     who, way = operator(asked, 400), np.full((400, 2), 0.5)
     seen = np.concatenate([who.act(way, way, np.tile(factor, (400, 1, 1))).velocity_m_s for _ in range(50)])
     wanted = 0.003**2 * np.eye(2) + factor @ factor.T
-    assert np.cov(seen.T) == pytest.approx(wanted, abs=5e-7)
+    assert np.cov(seen.T) == pytest.approx(wanted, abs=1e-6)
     assert seen.mean(axis=0) == pytest.approx(0.5, abs=2e-4)
 
 
 def test_the_worse_it_sees_the_longer_it_takes_and_the_farther_off_it_ends() -> None:
     ways = np.random.default_rng(5).uniform(-0.15, 0.15, (200, 2))
     ends = {}
-    for blur in (0.0, 0.01, 0.02):
+    for blur in (0.0, 0.005, 0.01):
         left, _, grasps = follow(DECLARED, ways, 1500, view_m=np.tile(blur * np.eye(2), (200, 1, 1)))
         assert grasps[-1].all()
         frames = grasps.argmax(axis=0)
         distance = np.linalg.norm(left[frames, np.arange(200)], axis=1)
         ends[blur] = frames.mean(), distance.mean()
-    assert ends[0.0][0] < ends[0.01][0] < ends[0.02][0]
-    assert ends[0.0][1] < ends[0.01][1] < ends[0.02][1]
+    assert ends[0.0][0] < ends[0.005][0] < ends[0.01][0]
+    assert ends[0.0][1] < ends[0.005][1] < ends[0.01][1]
 
 
 def test_the_same_seed_gives_the_same_trial() -> None:

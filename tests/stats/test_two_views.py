@@ -58,7 +58,7 @@ def test_the_interval_of_the_shift_holds_what_the_test_does_not_refuse(n: int) -
     for end, inwards in ((found.low, 1), (found.high, -1)):
         for step, refused in ((inwards * 1e-7, False), (-inwards * 1e-7, True)):
             p = stats.wilcoxon(first - second - (end + step), method="exact").pvalue
-            assert (p <= ALPHA) is refused, (n, end, step, p)
+            assert bool(p <= ALPHA) is refused, (n, end, step, p)
 
 
 def test_so_few_pairs_have_no_interval_of_that_level() -> None:
@@ -102,8 +102,8 @@ def test_what_tells_nothing_has_no_test() -> None:
     one, same = np.array([3.0]), np.full(6, 2.0)
     assert two_sample(one, same, ALPHA) is None and two_sample(same, same, ALPHA) is None
     assert paired(one, one, ALPHA) is None and paired(same, same + 1.0, ALPHA) is None
-    rng = np.random.default_rng(1)
-    assert paired(x := rng.normal(10, 3, 8), x + 0.1, ALPHA) is None  # the same gap but for rounding
+    values = np.random.default_rng(1).normal(10, 3, 8)
+    assert paired(values, values + 0.1, ALPHA) is None  # the same gap but for rounding
     assert signed_ranks(same, same, ALPHA) is None and signed_ranks(one, one + 1, ALPHA) is None
     ties = signed_ranks(np.array([1.0, 2.0, 3.0, 4.0]), np.array([1.0, 1.0, 2.0, 3.0]), ALPHA)
     assert ties is not None and ties.effect == 1.0 and ties.shift == 1.0
