@@ -58,7 +58,7 @@ def _boxes(axes: Axes, own: pl.DataFrame, views: list[tuple[float, float]], colu
         axes.plot(x, y, "o", color=COLOURS["best"], markersize=4, alpha=0.75, markeredgewidth=0)
     axes.set_xticks(range(len(views)), [f"{numbers.degrees(t)}, {numbers.degrees(p)}" for t, p in views])
     axes.set_xlim(-0.6, len(views) - 0.4)
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 1.08 * max(own[column].to_list()))
     axes.yaxis.set_major_locator(MaxNLocator(5))
     axes.grid(axis="y")
     axes.set_axisbelow(True)
