@@ -13,14 +13,8 @@ import polars as pl
 from pipeline.reporting.judge_tables import Factorial
 from pipeline.reporting.learning import learned, scene_bands
 from pipeline.reporting.page import Reference
-from pipeline.reporting.people_tables import (
-    Change,
-    NextStudy,
-    PeopleLearning,
-    SignedRanks,
-    Tested,
-    TTest,
-)
+from pipeline.reporting.people_tables import Change, PeopleLearning
+from pipeline.reporting.people_tests import NextStudy, SignedRanks, Tested, TTest
 from pipeline.reporting.results import SceneResults
 from pipeline.reporting.tables import Table
 from pipeline.stats.tried import Tried
@@ -73,7 +67,12 @@ def _flat(name: str, table: type[Table], found: Table | None) -> Row:
 
 
 def _tested(row: Tested) -> Row:
-    parts = {"two_sample": TTest, "paired": TTest, "signed_ranks": SignedRanks, "next": NextStudy}
+    parts: dict[str, type[Table]] = {
+        "two_sample": TTest,
+        "paired": TTest,
+        "signed_ranks": SignedRanks,
+        "next": NextStudy,
+    }
     flat = row.model_dump(exclude=set(parts))
     for name, table in parts.items():
         flat |= _flat(name, table, getattr(row, name))

@@ -9,7 +9,8 @@ from markupsafe import Markup
 
 from pipeline.reporting import numbers
 from pipeline.reporting.people_plots import box_plot, course_plot
-from pipeline.reporting.people_tables import Compared, People, PeopleResults, Tested
+from pipeline.reporting.people_tables import Compared, People, PeopleResults
+from pipeline.reporting.people_tests import Tested
 
 Angles = tuple[float, float]
 _NAMES = {"time": "Task time", "distance error": "Distance error"}
