@@ -16,11 +16,12 @@ from pipeline.reporting import numbers
 from pipeline.reporting.curves import curve_plots
 from pipeline.reporting.factorial_comparison import SYMBOLS, claimed, claims, judges_page
 from pipeline.reporting.learning import Learned, learned, scene_bands
+from pipeline.reporting.people_page import people_page
+from pipeline.reporting.people_tables import PeopleResults
 from pipeline.reporting.pictures import Pictures, read_pictures
 from pipeline.reporting.plots import behind_plot, race_plot, score_plot
 from pipeline.reporting.provenance import costs, flat, provenance
 from pipeline.reporting.results import Coverage, SceneResults, View, short
-from pipeline.reporting.tables import Alignment
 from pipeline.reporting.tried import TriedScene
 
 TEMPLATES = Path(__file__).parent / "template"
@@ -59,12 +60,12 @@ class Reference:
     """What stands beside the results.
 
     Attributes:
-        people: the rankings held against people.
+        people: people's trials, published and own, and the rankings held against them.
         coverage: simulated races, and how often they ended with a false statement.
         tried: viewpoints of experiments.
     """
 
-    people: Alignment
+    people: PeopleResults
     coverage: list[Coverage]
     tried: list[TriedScene]
 
@@ -104,7 +105,9 @@ def render(
         .get_template("page.html.jinja")
         .render(
             **_results(scenes, pictures, made.random_frames),
-            **vars(reference),
+            people=people_page(reference.people),
+            coverage=reference.coverage,
+            tried=reference.tried,
             missing=missing,
             start=made.start,
             style=Markup(style),

@@ -9,6 +9,7 @@ from pydantic import Field, field_validator
 from pipeline.contract.params import Section
 from pipeline.study.records import Outcome
 
+FOLDER = r"^[A-Za-z0-9_][A-Za-z0-9_-]*(/[A-Za-z0-9_][A-Za-z0-9_.-]*)*$"
 Probability = Annotated[float, Field(gt=0, lt=1)]
 
 
@@ -22,9 +23,9 @@ class ExcludeParams(Section):
         outcomes: that do not count.
     """
 
-    p95_latency_ms: Annotated[float, Field(gt=0)]
+    p95_latency_ms: Annotated[float, Field(gt=0, le=60_000)]
     real_time_factor: Annotated[float, Field(gt=0, le=1)]
-    least_time_s: Annotated[float, Field(ge=0)]
+    least_time_s: Annotated[float, Field(ge=0, le=3600)]
     outcomes: tuple[Outcome, ...]
 
     @field_validator("outcomes")
@@ -43,13 +44,13 @@ class PeopleParams(Section):
     """Section ``people``.
 
     Attributes:
-        study: the study's folder, from the repository's root.
+        study: the study's folder, from the repository's root; it stands in a command, so it has no spaces.
         exclude: which attempts do not count.
         alpha: level of tests; intervals have 1 − alpha.
         power: with which the next study is to find a difference.
     """
 
-    study: str
+    study: Annotated[str, Field(pattern=FOLDER)]
     exclude: ExcludeParams
     alpha: Probability
     power: Probability
