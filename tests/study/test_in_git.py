@@ -54,5 +54,3 @@ def test_dvc_add_tracks_a_participant_as_the_docs_say(recorded: tuple[Clone, lis
     clone.run("rm", "-r", *(clone.root / place for place in places))
     clone.run("dvc", "checkout", "--quiet", *(f"{place}.dvc" for place in places))
     assert before and {path: path.read_bytes() for path in before} == before
-    graph = clone.run("dvc", "dag", "--dot", "trials").stdout  # the stage waits for what DVC tracks there
-    assert all(f"{place}.dvc" in graph for place in places)
