@@ -6,8 +6,7 @@ from pathlib import Path
 
 import polars as pl
 
-from pipeline.contract.errors import BelvedereError
-from pipeline.study.trials import COUNTS
+from pipeline.study.trials import COUNTS, read_table
 
 VIEW = ("scene", "view", "theta", "phi")
 MEASURES = ("time_s", "distance_m")
@@ -63,13 +62,4 @@ def read_points(path: Path, schema: dict[str, pl.DataType]) -> pl.DataFrame:
     Raises:
         BelvedereError: it is missing, or no such table.
     """
-    remedy = "`dvc repro people` makes it"
-    try:
-        found = pl.read_parquet(path)
-    except FileNotFoundError:
-        raise BelvedereError(f"{path} is missing; {remedy}.") from None
-    except (pl.exceptions.PolarsError, OSError):
-        raise BelvedereError(f"{path} is no Parquet file; {remedy} again.") from None
-    if dict(found.schema) != schema:
-        raise BelvedereError(f"{path} holds another table; {remedy} again.")
-    return found
+    return read_table(path, schema, "people")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import polars as pl
@@ -66,12 +66,21 @@ def read_trials(path: Path) -> pl.DataFrame:
     Raises:
         BelvedereError: it is missing, or no such table.
     """
+    return read_table(path, SCHEMA, "trials")
+
+
+def read_table(path: Path, schema: Mapping[str, pl.DataType], stage: str) -> pl.DataFrame:
+    """A table that a stage of the study wrote.
+
+    Raises:
+        BelvedereError: it is missing, or no such table.
+    """
     try:
         found = pl.read_parquet(path)
     except FileNotFoundError:
-        raise BelvedereError(f"{path} is missing; `dvc repro trials` makes it.") from None
+        raise BelvedereError(f"{path} is missing; `dvc repro {stage}` makes it.") from None
     except (pl.exceptions.PolarsError, OSError):
-        raise BelvedereError(f"{path} is no Parquet file; delete it and run `dvc repro trials`.") from None
-    if dict(found.schema) != SCHEMA:
-        raise BelvedereError(f"{path} holds no table of trials; delete it and run `dvc repro trials`.")
+        raise BelvedereError(f"{path} is no Parquet file; delete it and run `dvc repro {stage}`.") from None
+    if dict(found.schema) != schema:
+        raise BelvedereError(f"{path} holds no table of {stage}; delete it and run `dvc repro {stage}`.")
     return found
