@@ -15,7 +15,7 @@ from pipeline.contract.machine import cores
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.learning.device import set_up_torch
 from pipeline.qlearning.params import DqnParams, DqnSizes
-from pipeline.qlearning.reach_env import ReachEnv
+from pipeline.qlearning.task_env import TaskEnv
 from pipeline.qlearning.training import network
 from pipeline.sim.scene import load_scene
 
@@ -28,7 +28,7 @@ def measure() -> list[Row]:
     method = params.section(DqnParams, "dqn")
     sizes = params.section(DqnSizes, "budgets", "quick", "dqn")
     scene, place = load_scene(SCENE), set_up_torch()
-    env = ReachEnv(
+    env = TaskEnv(
         scene, viewpoint(SCENE, THETA_DEG, PHI_DEG), method.worlds, np.random.default_rng(1), cores()
     )
     frames = EPISODES * scene.frames * method.worlds
@@ -49,7 +49,7 @@ def measure() -> list[Row]:
     ]
 
 
-def _act(model: DQN, env: ReachEnv) -> None:
+def _act(model: DQN, env: TaskEnv) -> None:
     """The same episodes, acted in and not learned from."""
     pictures = np.asarray(env.reset())
     for _ in range(EPISODES * env.frames):

@@ -19,8 +19,8 @@ from pipeline.learning.device import set_up_torch
 from pipeline.learning.side_by_side import at_a_time, in_processes
 from pipeline.qlearning.actions import best_restricted_expert
 from pipeline.qlearning.params import DqnParams, DqnSizes, dqn_params
-from pipeline.qlearning.reach_env import ReachEnv
 from pipeline.qlearning.tables import CURVE, EPISODES, joined
+from pipeline.qlearning.task_env import TaskEnv
 from pipeline.qlearning.training import fit, memory_bytes, require_memory
 from pipeline.qlearning.trial import tried
 from pipeline.rendering.visibility import refuse_hidden_targets
@@ -57,7 +57,7 @@ def train_repeat(scene: Scene, view: Viewpoint, method: DqnParams, sizes: DqnSiz
     def make(results: Path, running: Path) -> None:
         draws = seeds.generator(seed, repeat, Stream.DQN_EPISODES)
         expert = best_restricted_expert(scene, draw_episodes(scene, count, draws), cores())
-        env = ReachEnv(scene, view, method.worlds, draws, cores())
+        env = TaskEnv(scene, view, method.worlds, draws, cores())
         of_network = seeds.integer(seed, repeat, Stream.DQN)
         trained = fit(env, method, sizes, place, of_network, f"dqn, repeat {repeat}")
         episodes = evaluation_episodes(scene, count, seed, repeat)

@@ -20,12 +20,12 @@ from pipeline.stats.branches import read_results
 from pipeline.stats.claims import read_claims
 from pipeline.stats.dqn import read_dqn
 from pipeline.stats.factorial_comparison import comparison
+from pipeline.stats.messages import progress, sentence
 from pipeline.stats.params import RankingParams
 from pipeline.stats.race import Rules
 from pipeline.stats.ranks import rank
 from pipeline.stats.replay import replay
 from pipeline.stats.tails import tail
-from pipeline.stats.words import progress, sentence
 from pipeline.storage.artefacts import write_json, writing
 from pipeline.storage.stage import entry
 

@@ -8,14 +8,13 @@ from pipeline.contract import params
 from pipeline.contract.errors import unknown
 from pipeline.reporting import exports
 from pipeline.reporting.page import Made, Reference, render
+from pipeline.reporting.people_tables import read_people
 from pipeline.reporting.provenance import revision
 from pipeline.reporting.record import read_record
 from pipeline.reporting.results import read_coverage, read_results
-from pipeline.reporting.tables import Alignment
 from pipeline.reporting.tried import of_these_parameters, read_tried, tried_scenes
 from pipeline.storage.artefacts import writing
 from pipeline.storage.stage import entry
-from pipeline.storage.tables import read_model
 
 
 def main(
@@ -23,7 +22,8 @@ def main(
     rankings: Path,
     branches: Path,
     anchors: Path,
-    alignment: Path,
+    people: Path,
+    points: Path,
     coverage: Path,
     tried: Path,
     record: Path,
@@ -37,7 +37,8 @@ def main(
         rankings: folder of the scenes' rankings.
         branches: folder of the branches' tables, by scene.
         anchors: folder of the scenes' anchors.
-        alignment: the rankings held against people.
+        people: people's trials, and the rankings held against them.
+        points: folder of people's own values, which the plots draw.
         coverage: how often simulated races ended with a false statement.
         tried: viewpoints that experiments tried, one row per repeat.
         record: folder of a run whose controllers were searched for from zero.
@@ -47,8 +48,8 @@ def main(
     """
     scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
     found = tried_scenes(of_these_parameters(read_tried(tried), tried), scenes)
-    people = read_model(Alignment, alignment, "alignment")
-    reference = Reference(people, read_coverage(coverage), found, read_record(record))
+    people_results = read_people(people, points)
+    reference = Reference(people_results, read_coverage(coverage), found, read_record(record))
     start = str(params.value("controller", "first"))
     made = Made(revision(), _parameters(), _random_frames(), start)
     page = render(scenes, missing, reference, pictures, made)

@@ -22,7 +22,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
 
 # Of a branch; the stages of scenes run alone in their processes, and import less.
-STAGES = ("frames", "geometry", "vae", "latents", "mdnrnn", "controller", "evaluation", "dqn")
+STAGES = ("frames", "geometry", "operator", "vae", "latents", "mdnrnn", "controller", "evaluation", "dqn")
 LIBRARIES = ("numpy", "torch", "zarr", "polars", "mujoco_warp", "cma", "PIL.Image")
 _PR_SET_PDEATHSIG = 1
 

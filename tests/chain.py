@@ -25,13 +25,14 @@ IN_ORDER = (
         "anchors",
         "frames",
         "geometry",
+        "operator",
         "vae",
         "latents",
         "mdnrnn",
         "controller",
         "evaluation",
     ),
-    *("dqn", "ranking", "alignment", "report"),
+    *("dqn", "ranking", "trials", "people", "report"),
 )
 _SIZES = {
     "about": "a test",
@@ -82,6 +83,7 @@ def write_inputs(folder: Path) -> None:
     tree = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
     tree["scenes"] = {SCENE: tree["scenes"][SCENE] | {"frames": 6}}
     tree["viewpoints"] = {CANDIDATE: tree["viewpoints"][CANDIDATE]}
+    tree["operator"] |= {"trials": 2, "limit_s": 4}
     tree["sight_share"] = 0.9999  # so small a judge sees little, and without a race a ranking says little
     tree["budget"], tree["budgets"] = "short", {"short": _SIZES | {"dqn": tree["budgets"]["tiny"]["dqn"]}}
     (folder / "params.yaml").write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
@@ -90,6 +92,9 @@ def write_inputs(folder: Path) -> None:
     (folder / "dvc.yaml").write_text(yaml.safe_dump(stages), encoding="utf-8")
     shutil.copytree(ROOT / "data/reference", folder / "data/reference")
     shutil.copytree(ROOT / "robots", folder / "robots")
+    (folder / "data/study").mkdir()
+    for name in ("README", "dataset_description.json"):
+        shutil.copy(ROOT / "data/study" / name, folder / "data/study" / name)
     for name in ("data/tried.csv", "data/allocation.yaml"):
         shutil.copy(ROOT / name, folder / name)
 
@@ -98,7 +103,7 @@ def steps(name: str) -> list[Step]:
     """The stage ``name`` of the scene, or of each branch; of the study last."""
     form = STAGES[name]
     if "foreach" not in form:
-        return [_step(name, form, {})]
+        return [_step(name, form, {"people.study": "data/study"})]
     if form["foreach"] == "${scenes}":
         return [_step(name, form["do"], {"key": SCENE})]
     params = yaml.safe_load(Path("params.yaml").read_text(encoding="utf-8"))

@@ -7,7 +7,8 @@ from functools import cache
 from pipeline.contract import params
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.sim.params import SceneParams
-from pipeline.sim.scene import Scene, compile_scene
+from pipeline.sim.scene import Scene
+from tests.sim.conftest import compile_changed
 from tests.support import ROOT
 
 KINDS = ("align", "follow", "push")
@@ -17,7 +18,7 @@ KINDS = ("align", "follow", "push")
 def example(kind: str) -> Scene:
     """The example scene of a task."""
     name, file = f"panda_{kind}", ROOT / f"examples/tasks/{kind}.yaml"
-    return compile_scene(name, params.section(SceneParams, "scenes", name, path=file), ROOT / "params.yaml")
+    return compile_changed(name, params.section(SceneParams, "scenes", name, path=file))
 
 
 def example_views(kind: str) -> dict[str, Viewpoint]:

@@ -15,7 +15,8 @@ from pipeline.storage import stage
 from tests.chain import IN_ORDER, Step, files_below, steps, write_inputs
 from tests.damage import CHECKED, flips, foreign, lacking
 
-READING = [name for name in IN_ORDER if name not in ("scene", "rollouts", "anchors", "dqn")]  # no artefact
+NO_ARTEFACT = ("scene", "rollouts", "anchors", "operator", "dqn")
+READING = [name for name in IN_ORDER if name not in NO_ARTEFACT]
 AT_LENGTH = ("frames", "vae", "controller", "report")  # which take longest where damage changes nothing
 PICTURES = (".png", ".webp")
 
@@ -29,7 +30,9 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         patch.setenv("BELVEDERE_SCRATCH", str(folder / "scratch"))
         patch.setenv("BELVEDERE_CORES", "1")
         patch.setenv("BELVEDERE_DEVICE", "cpu")
-        patch.setattr(stage, "_others_work", lambda: False)  # or a stage that fails ends this process at once
+        patch.setattr(
+            stage, "_others_work", lambda _: False
+        )  # or a stage that fails ends this process at once
         write_inputs(folder)
         for step in (step for name in IN_ORDER for step in steps(name)):
             step.run()

@@ -23,7 +23,7 @@ from tests.source import params_read_by
 PARAMS: dict[str, Any] = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
 STAGES: dict[str, Any] = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
 PER_SCENE = ("ranking", "scene", "rollouts", "anchors")
-ONCE = ("report", "alignment")
+ONCE = ("report", "people", "trials")
 SCENE_FILES = {"data/scenes/${key}.json", "data/scenes/${item.scene}.json"}  # deps that need no flag
 
 each_stage = pytest.mark.parametrize("stage", STAGES)
@@ -228,7 +228,7 @@ def test_a_ranking_waits_for_the_branches_and_anchors_of_its_scene_only() -> Non
         awaited = {
             f"{stage}@{key}"
             for key, viewpoint in branches.items()
-            for stage in ("geometry", "vae", "mdnrnn", "controller", "evaluation", "dqn")
+            for stage in ("geometry", "operator", "vae", "mdnrnn", "controller", "evaluation", "dqn")
             if viewpoint["scene"] == scene
         }
         assert graph()[f"ranking@{scene}"] == awaited | {f"anchors@{scene}"}

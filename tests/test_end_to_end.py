@@ -63,11 +63,15 @@ def test_one_scene_from_nothing_to_an_answer_and_a_report(clone: Clone) -> None:
     again = clone.run("./run", "panda_2dof", timeout_s=300).stdout
     assert "begun" not in again and again.splitlines()[-1] == first.splitlines()[-1]
 
-    subjects, held = "data/reference/subjects.csv", "reports/alignment.json"
-    words = ("--subjects", subjects, "--rankings", "reports/rankings", "--out", held)
-    clone.run("python", "-m", "pipeline.alignment", *words)
+    joined, held, points = "data/trials.parquet", "reports/people.json", "data/people"
+    words = ("--study", "data/study", "--out", joined, "--excluded", "data/excluded.csv")
+    clone.run("python", "-m", "pipeline.trials", *words)
+    words = ("--subjects", "data/reference/subjects.csv", "--rankings", "reports/rankings")
+    words += ("--trials", joined, "--out", held, "--points", points)
+    clone.run("python", "-m", "pipeline.people", *words)
     paths = ("rankings", "branches", "anchors", "pictures")
-    flags = ["--alignment", held, "--coverage", "data/reference/coverage.csv", "--tried", "data/tried.csv"]
+    flags = ["--coverage", "data/reference/coverage.csv", "--tried", "data/tried.csv"]
+    flags += ["--people", held, "--points", points]
     flags += [part for name in paths for part in (f"--{name}", f"reports/{name}")]
     clone.run(
         "python", "-m", "pipeline.report", *flags, "--out", "reports/index.html", "--tables", "reports/tables"

@@ -42,7 +42,7 @@ def test_dvc_neither_reports_nor_looks_for_updates() -> None:
 
 def test_help_needs_no_environment(clone: Clone) -> None:
     told = clone.run("./run", "--help").stdout
-    for task in ("test", "check", "bench", "dvc", "--jobs"):
+    for task in ("test", "check", "bench", "dvc", "station", "--jobs"):
         assert f"./run {task}" in told
     assert not (clone.root / ".venv").exists()
 
@@ -56,7 +56,7 @@ def test_a_python_that_is_none_is_told(clone: Clone) -> None:
 def test_an_unknown_task_is_told(clone: Clone) -> None:
     clone.lend_environment()
     told = clone.run("./run", "chekc", status=2).stderr
-    assert "'chekc' is no task (test, check, bench), no scene and no command in the environment" in told
+    assert "'chekc' is no task (test, check, bench, station), no scene and no command in the" in told
 
 
 def test_a_command_runs_in_the_environment_from_the_root(clone: Clone, tmp_path: Path) -> None:

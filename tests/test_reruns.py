@@ -15,8 +15,11 @@ pytestmark = pytest.mark.slow
 
 PARAMS = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
 STAGES = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
-FAN_IN = {f"ranking@{scene}" for scene in PARAMS["scenes"]} | {"alignment", "report"}
-BRANCH_STAGES = ("frames", "geometry", "vae", "latents", "mdnrnn", "controller", "evaluation", "dqn")
+FAN_IN = {f"ranking@{scene}" for scene in PARAMS["scenes"]} | {"trials", "people", "report"}
+BRANCH_STAGES = (
+    *("frames", "geometry", "operator", "vae", "latents"),
+    *("mdnrnn", "controller", "evaluation", "dqn"),
+)
 
 # Inputs are the flags whose paths exist; all other paths are written.
 STAND_IN = """
@@ -39,7 +42,8 @@ for path in (paths[flag] for flag in paths if flag not in inputs):
         path = path / "content"
     number = int(digest.hexdigest()[:8], 16)
     answer = {"sentence": str(number), "progress": ""}
-    ranking = {"digest": number, "scene": path.stem, "answer": answer, "race": {"open": False}}
+    race = {"open": False, "common": 3, "active": []}
+    ranking = {"digest": number, "scene": path.stem, "answer": answer, "race": race, "most": 20}
     path.write_text(json.dumps(ranking) if path.suffix == ".json" else f"a,b\\n{number},{path}\\n")
 """
 
@@ -86,14 +90,21 @@ def test_one_more_repeat_of_one_viewpoint_runs_its_branch_and_draws_episodes(
     allocation["scenes"]["fetch_reach"] += 1
     path.write_text(yaml.safe_dump(allocation), encoding="utf-8")
     told = ran(fresh.run("./run", "dvc", "repro", timeout_s=1800).stdout)
-    grown = {f"{s}@fetch_reach-c" for s in BRANCH_STAGES} - {"geometry@fetch_reach-c", "dqn@fetch_reach-c"}
-    assert told == grown | {"rollouts@fetch_reach", "ranking@fetch_reach", "alignment", "report"}
+    kept = {f"{s}@fetch_reach-c" for s in ("geometry", "operator", "dqn")}
+    grown = {f"{s}@fetch_reach-c" for s in BRANCH_STAGES} - kept
+    assert told == grown | {"rollouts@fetch_reach", "ranking@fetch_reach", "people", "report"}
 
 
-def test_study_runs_first(done: Clone) -> None:
+def test_the_study_runs_before_its_scenes_candidates(done: Clone) -> None:
     order = re.findall(r"Running stage '([^']+)'", done.run("dvc", "repro", "--dry", "--force").stdout)
     scene = PARAMS["viewpoint"]["scene"]
-    assert order[:4] == [f"scene@{scene}", f"rollouts@{scene}", "geometry@study", "frames@study"]
+    begun = order.index(f"scene@{scene}")
+    assert order[begun : begun + 4] == [
+        f"scene@{scene}",
+        f"rollouts@{scene}",
+        "geometry@study",
+        "frames@study",
+    ]
 
 
 def test_side_by_side_gives_the_serial_lock_and_no_stage_runs_twice(done: Clone, tmp_path: Path) -> None:

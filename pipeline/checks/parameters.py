@@ -12,18 +12,23 @@ from pipeline.contract.errors import unknown
 from pipeline.contract.viewpoints import NAME, named_viewpoints
 from pipeline.control.params import ControllerParams, EvaluationSizes, SearchSizes
 from pipeline.qlearning.params import DqnParams, DqnSizes
+from pipeline.scripted.params import OperatorParams
 from pipeline.sim.params import ExplorationParams, RolloutSizes, SceneParams
 from pipeline.sim.robot_files import robot_file
 from pipeline.sim.robot_params import RobotParams, robot_params
 from pipeline.sim.robots import build_robot
+from pipeline.station.params import station_params
 from pipeline.stats.params import RankingParams
 from pipeline.storage.stage import entry
+from pipeline.study.params import PeopleParams
 from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes, VaeParams, VaeSizes
 
 METHODS: dict[str, type[params.Section]] = {
     "controller": ControllerParams,
     "dqn": DqnParams,
     "mdnrnn": MdnRnnParams,
+    "operator": OperatorParams,
+    "people": PeopleParams,
     "ranking": RankingParams,
     "rollouts": ExplorationParams,
     "vae": VaeParams,
@@ -48,6 +53,7 @@ OTHERS = (
     "sight_share",
     "robots",
     "scenes",
+    "station",
 )
 
 
@@ -71,6 +77,7 @@ def check(path: Path = params.PARAMS_FILE) -> None:
             raise unknown(f"{path}: scene of viewpoint {key}", view.scene, scenes)
     for name, model in METHODS.items():
         _section(model, (name,), scenes, path)
+    station_params(path)
     for scene in params.section(DqnParams, "dqn", path=path).scenes:
         if scene not in scenes:
             raise unknown(f"{path}: scene below dqn.scenes", scene, scenes)

@@ -15,7 +15,7 @@ from pipeline.sim.params import Camera, Light, Range, SceneParams, Start, Target
 from pipeline.sim.reach import reachable_box
 from pipeline.sim.robot import arm_actuators
 from pipeline.sim.robot_params import RobotParams, robot_params
-from pipeline.sim.scene import Scene, compile_with, initial_data
+from pipeline.sim.scene import Scene, compile_scene, initial_data
 from pipeline.sim.worlds import Worlds
 from pipeline.storage.stage import entry
 
@@ -52,9 +52,9 @@ def alone(name: str, declared: RobotParams) -> Scene:
             f"robot {name} is pulled by a weld and has no home to reach from; look at a scene of it instead: "
             "`./run python -m pipeline.rendering.preview --help`."
         )
-    first = compile_with(name, _scene(name, np.zeros(3), np.ones(3)), declared, Path())
+    first = compile_scene(name, _scene(name, np.zeros(3), np.ones(3)), declared, Path())
     tip = initial_data(first).site_xpos[first.tip_site]
-    return compile_with(name, _scene(name, tip - 0.1, tip + 0.1), declared, Path())
+    return compile_scene(name, _scene(name, tip - 0.1, tip + 0.1), declared, Path())
 
 
 def _scene(name: str, low: np.ndarray, high: np.ndarray) -> SceneParams:
@@ -82,7 +82,7 @@ def _scene(name: str, low: np.ndarray, high: np.ndarray) -> SceneParams:
 def _within(scene: Scene, low: np.ndarray, high: np.ndarray) -> Scene:
     middle, half = (low + high) / 2, _ROOM * (high - low) / 2
     described = _scene(scene.robot.name, middle - half, middle + half)
-    return compile_with(scene.name, described, scene.declared, Path())
+    return compile_scene(scene.name, described, scene.declared, Path())
 
 
 def _place(point: np.ndarray) -> str:

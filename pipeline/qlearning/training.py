@@ -14,7 +14,7 @@ from pipeline.contract.machine import CORES_VARIABLE
 from pipeline.contract.progress import Progress
 from pipeline.learning.device import Compute
 from pipeline.qlearning.params import DqnParams, DqnSizes
-from pipeline.qlearning.reach_env import ReachEnv
+from pipeline.qlearning.task_env import TaskEnv
 from pipeline.rendering.visibility import PICTURE_SIZE
 
 _TRANSITION_BYTES = 2 * PICTURE_SIZE**2 * 3 + 8 + 4 + 4 + 4  # two pictures, action, reward, done, timeout
@@ -56,7 +56,7 @@ class Trained:
     curve: pl.DataFrame
 
 
-def network(env: ReachEnv, method: DqnParams, sizes: DqnSizes, compute: Compute, seed: int) -> DQN:
+def network(env: TaskEnv, method: DqnParams, sizes: DqnSizes, compute: Compute, seed: int) -> DQN:
     """An untrained network with a convolutional policy (Mnih et al. 2015) on one picture at a time."""
     return DQN(
         "CnnPolicy",
@@ -77,7 +77,7 @@ def network(env: ReachEnv, method: DqnParams, sizes: DqnSizes, compute: Compute,
     )
 
 
-def fit(env: ReachEnv, method: DqnParams, sizes: DqnSizes, compute: Compute, seed: int, what: str) -> Trained:
+def fit(env: TaskEnv, method: DqnParams, sizes: DqnSizes, compute: Compute, seed: int, what: str) -> Trained:
     """Trains a network.
 
     Args:
@@ -108,7 +108,7 @@ def fit(env: ReachEnv, method: DqnParams, sizes: DqnSizes, compute: Compute, see
 class _Telling(BaseCallback):
     """Tells the progress bar."""
 
-    def __init__(self, env: ReachEnv, progress: Progress) -> None:
+    def __init__(self, env: TaskEnv, progress: Progress) -> None:
         super().__init__()
         self._env, self._progress = env, progress
 

@@ -10,8 +10,8 @@ from pipeline.contract.viewpoints import Viewpoint
 from pipeline.control.anchors import Policy, play
 from pipeline.control.outcomes import outcomes
 from pipeline.qlearning.actions import action_table
-from pipeline.qlearning.reach_env import Pictures
 from pipeline.qlearning.tables import EPISODES
+from pipeline.qlearning.task_env import Pictures
 from pipeline.sim.draws import Episodes
 from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds

@@ -13,7 +13,10 @@ import polars as pl
 from pipeline.reporting.judge_tables import Factorial
 from pipeline.reporting.learning import learned, scene_bands
 from pipeline.reporting.page import Reference
+from pipeline.reporting.people_tables import Change, PeopleLearning
+from pipeline.reporting.people_tests import NextStudy, SignedRanks, Tested, TTest
 from pipeline.reporting.results import SceneResults
+from pipeline.reporting.tables import Table
 from pipeline.stats.tried import Tried
 from pipeline.storage.artefacts import writing
 
@@ -34,9 +37,14 @@ def tables(scenes: Sequence[SceneResults], reference: Reference) -> dict[str, li
         "effects": [row for scene in scenes for row in _effects(scene)],
         "dqn": [row for scene in scenes for row in _dqn(scene)],
         "claims": [claim.model_dump() for scene in scenes for claim in scene.ranking.claims],
-        "people": [trial.model_dump() for trial in reference.people.trials],
+        "people": [row.model_dump() for row in reference.people.found.rows],
+        "people_tests": [_tested(row) for row in reference.people.found.tests],
+        "people_learning": [_learned(row) for row in reference.people.found.learning],
+        "people_course": [row.model_dump() for row in reference.people.found.course],
+        "people_implied": [row.model_dump() for row in reference.people.found.published],
+        "operator": [row for scene in scenes for row in _operator(scene)],
         "tried": [_tried(row) for scene in reference.tried for row in scene.rows],
-        "agreements": [agreement.model_dump() for agreement in reference.people.agreements],
+        "agreements": [agreement.model_dump() for agreement in reference.people.found.agreements],
         "learning_from_zero": [row for scene in reference.record.scenes for row in _learning(scene)],
         "claims_from_zero": [c.model_dump() for s in reference.record.scenes for c in s.ranking.claims],
         "coverage": [row.model_dump() for row in reference.coverage],
@@ -52,6 +60,39 @@ def write(folder: Path, found: Mapping[str, Sequence[Row]]) -> None:
             pl.DataFrame(rows, infer_schema_length=None).write_csv(aside / f"{name}.csv")
             text = json.dumps(list(rows), indent=1, ensure_ascii=False)
             (aside / f"{name}.json").write_text(text + "\n", encoding="utf-8")
+
+
+def _flat(name: str, table: type[Table], found: Table | None) -> Row:
+    """The entries of a table within a row, under its name; nothing in them where there is none."""
+    values = found.model_dump() if found else dict.fromkeys(table.model_fields)
+    return {f"{name}_{entry}": value for entry, value in values.items()}
+
+
+def _tested(row: Tested) -> Row:
+    parts: dict[str, type[Table]] = {
+        "two_sample": TTest,
+        "paired": TTest,
+        "signed_ranks": SignedRanks,
+        "next": NextStudy,
+    }
+    flat = row.model_dump(exclude=set(parts))
+    for name, table in parts.items():
+        flat |= _flat(name, table, getattr(row, name))
+    return flat
+
+
+def _learned(row: PeopleLearning) -> Row:
+    named = {"scene": row.scene, "measure": row.measure}
+    return {**named, **_flat("trial", Change, row.per_trial), **_flat("block", Change, row.per_block)}
+
+
+def _operator(scene: SceneResults) -> Iterator[Row]:
+    for view in scene.views:
+        numbers = view.operator.model_dump()
+        looks = numbers.pop("look_m")
+        yield {"scene": scene.name, "view": view.key, **numbers} | {
+            f"look_{axis}_m": looks.get(axis) for axis in "xyz"
+        }
 
 
 def _tried(row: Tried) -> Row:

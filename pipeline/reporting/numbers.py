@@ -58,8 +58,10 @@ def interval(low: float | None, high: float | None) -> str:
     return MISSING if low is None or high is None else f"{fixed(low, 2)} to {fixed(high, 2)}"
 
 
-def p_value(p: float) -> str:
-    """A p-value: never a zero."""
+def p_value(p: float | None) -> str:
+    """A p-value: never a zero; a dash for None."""
+    if p is None:
+        return MISSING
     return "< 0.001" if p < 0.001 else fixed(p, 3)
 
 

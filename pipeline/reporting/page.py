@@ -13,12 +13,13 @@ from pipeline.reporting import numbers
 from pipeline.reporting.curves import curve_plots
 from pipeline.reporting.factorial_comparison import claims, judges_page
 from pipeline.reporting.learning import Learned, learned, scene_bands
+from pipeline.reporting.people_page import people_page
+from pipeline.reporting.people_tables import PeopleResults
 from pipeline.reporting.pictures import Pictures, read_pictures
 from pipeline.reporting.plots import behind_plot, race_plot, score_plot
 from pipeline.reporting.provenance import costs, flat, provenance
 from pipeline.reporting.record import Record
 from pipeline.reporting.results import Coverage, SceneResults, View
-from pipeline.reporting.tables import Alignment
 from pipeline.reporting.templates import TEMPLATES, environment, source_hash
 from pipeline.reporting.tried import TriedScene
 
@@ -56,13 +57,13 @@ class Reference:
     """What stands beside the results.
 
     Attributes:
-        people: the rankings held against people.
+        people: people's trials, published and own, and the rankings held against them.
         coverage: simulated races, and how often they ended with a false statement.
         tried: viewpoints of experiments.
         record: the run in which controllers were searched for from zero.
     """
 
-    people: Alignment
+    people: PeopleResults
     coverage: list[Coverage]
     tried: list[TriedScene]
     record: Record
@@ -103,7 +104,10 @@ def render(
         .get_template("page.html.jinja")
         .render(
             **_results(scenes, pictures, made.random_frames),
-            **vars(reference),
+            people=people_page(reference.people),
+            coverage=reference.coverage,
+            tried=reference.tried,
+            record=reference.record,
             **_record(reference.record),
             missing=missing,
             start=made.start,

@@ -13,7 +13,7 @@ from pipeline.reporting.results import SceneResults
 from pipeline.storage import scratch
 
 SCENE_STAGES = ("rollouts", "anchors", "ranking")
-BRANCH_STAGES = ("frames", "geometry", "vae", "latents", "mdnrnn", "controller", "evaluation")
+BRANCH_STAGES = ("frames", "geometry", "operator", "vae", "latents", "mdnrnn", "controller", "evaluation")
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from pipeline.contract.errors import BelvedereError
 from pipeline.reporting.curve_files import read_curve, read_dqn_curve
 from pipeline.reporting.rankings import RankedView, Ranking
-from pipeline.reporting.tables import Anchors, Evaluation, Mdnrnn, Table, Vae, read_of_view
+from pipeline.reporting.tables import Anchors, Evaluation, Mdnrnn, Operator, Table, Vae, read_of_view
 from pipeline.storage.tables import read_model, read_rows
 
 
@@ -26,6 +26,7 @@ class View:
     vae: Vae
     mdnrnn: Mdnrnn
     evaluation: Evaluation
+    operator: Operator
     curve: pl.DataFrame
     dqn_curve: pl.DataFrame | None
 
@@ -138,6 +139,7 @@ def _view(scene: str, key: str, ranked: RankedView, folder: Path) -> View:
         vae=read_of_view(Vae, folder / "vae.json", f"vae@{key}", scene, angles),
         mdnrnn=read_of_view(Mdnrnn, folder / "mdnrnn.json", f"mdnrnn@{key}", scene, angles),
         evaluation=read_of_view(Evaluation, folder / "evaluation.json", f"evaluation@{key}", scene, angles),
+        operator=read_of_view(Operator, folder / "operator.json", f"operator@{key}", scene, angles),
         curve=read_curve(folder / "controller.csv", f"controller@{key}", ranked.repeats),
         dqn_curve=read_dqn_curve(folder / "dqn.csv", f"dqn@{key}"),
     )

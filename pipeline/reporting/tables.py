@@ -1,4 +1,4 @@
-"""The tables that the report reads, checked as they are read: metrics of branches, anchors, people."""
+"""The tables that the report reads, checked as they are read: metrics of branches, and anchors."""
 
 from __future__ import annotations
 
@@ -16,64 +16,6 @@ class Table(BaseModel):
     """A JSON table as the report reads it; entries that it does not show are skipped."""
 
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
-
-
-class Compared(Table):
-    """People's difference between two views beside ours.
-
-    Attributes:
-        first, second: people's means under either view (θ, φ in degrees), lower is better.
-        p, p_holm: of people's difference, raw and adjusted.
-        people_advantage: by how much the first view is better for people, share of the second's mean.
-        ours, low, high: the first view's score less the second's; null where one was not ranked.
-        same_sign: whether both prefer the same view.
-        settled: whether our interval lies on one side.
-    """
-
-    source: str
-    scene: str
-    measure: str
-    unit: str
-    first_theta: float
-    first_phi: float
-    second_theta: float
-    second_phi: float
-    first: float
-    second: float
-    p: float
-    p_holm: float
-    people_advantage: float
-    ours: float | None
-    low: float | None
-    high: float | None
-    same_sign: bool | None
-    settled: bool
-
-    @property
-    def preferred(self) -> str:
-        """Whether we prefer the view that people prefer."""
-        if self.same_sign is None:
-            return "–"
-        word = "yes" if self.same_sign else "no"
-        return word if self.settled else f"leans {word}"
-
-
-class Agreement(Table):
-    """Of one measure: how many settled tasks agree, how likely by chance, and how many only lean."""
-
-    source: str
-    measure: str
-    tasks: int
-    agree: int
-    chance: float | None
-    leaning: int
-
-
-class Alignment(Table):
-    """The rankings held against people, ``reports/alignment.json``."""
-
-    trials: list[Compared]
-    agreements: list[Agreement]
 
 
 class Anchors(Table):
@@ -149,6 +91,25 @@ class Evaluation(OfView):
     final_distance_m_mean: float
     within_2cm_share_mean: float
     within_5cm_share_mean: float
+
+
+class Operator(OfView):
+    """What the scripted operator came to, ``operator.json``.
+
+    Attributes:
+        trials, grasped_share: how many, and how many of them ended by closing the gripper.
+        time_s_mean, time_s_median: of a trial; the limit where it did not end.
+        distance_m_mean, distance_m_median: the task's at the end.
+        look_m: by controlled axis, what the view adds to a look (standard deviation, m).
+    """
+
+    trials: int
+    grasped_share: float
+    time_s_mean: float
+    time_s_median: float
+    distance_m_mean: float
+    distance_m_median: float
+    look_m: dict[str, float]
 
 
 ViewT = TypeVar("ViewT", bound=OfView)

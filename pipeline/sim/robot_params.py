@@ -59,6 +59,16 @@ class Drive(Section):
     keeps: Literal["pose", "place"] = "pose"
     largest_step: Annotated[float, Field(gt=0, le=100)] = 0.4
 
+    @model_validator(mode="after")
+    def _only_added_servos_are_tuned(self) -> Drive:
+        given = [name for name in ("frequency_hz", "damping_ratio") if name in self.model_fields_set]
+        if given and self.actuators != "added":
+            raise ValueError(
+                f"{' and '.join(given)} would change nothing with actuators: {self.actuators}; only added "
+                "servos are tuned"
+            )
+        return self
+
 
 class RobotParams(Section):
     """A robot.

@@ -104,15 +104,10 @@ def load_scene(name: str, path: Path = params.PARAMS_FILE, root: Path | None = N
     if name not in scenes:
         raise unknown(f"scene (in {path})", name, scenes)
     described = params.section(SceneParams, "scenes", name, path=path)
-    return compile_with(name, described, robot_params(described.robot, path), root or path.parent)
+    return compile_scene(name, described, robot_params(described.robot, path), root or path.parent)
 
 
-def compile_scene(name: str, scene: SceneParams, path: Path = params.PARAMS_FILE) -> Scene:
-    """Compiles a described scene, whose robot ``path`` declares."""
-    return compile_with(name, scene, robot_params(scene.robot, path), path.parent)
-
-
-def compile_with(name: str, scene: SceneParams, declared: RobotParams, root: Path) -> Scene:
+def compile_scene(name: str, scene: SceneParams, declared: RobotParams, root: Path) -> Scene:
     """Compiles a described scene with a described robot, whose files may lie below ``root``."""
     spec, robot = build_robot(scene.robot, declared, root)
     spec.option.timestep = scene.timestep_s

@@ -43,6 +43,8 @@ BASELINES = (
     Baseline("visible share of the target", "geometry", "target_seen_share", 1),
     Baseline("target's pixels", "geometry", "target_pixels", 1),
     Baseline("pan away from the operator's front (°)", "geometry", "pan_misalignment_deg", -1),
+    Baseline("scripted operator's time (s)", "operator", "time_s_mean", -1),
+    Baseline("scripted operator's distance (m)", "operator", "distance_m_mean", -1),
     Baseline("linear probe of tip - target (m)", "vae", "probe_linear_tip_to_target_m_mean", -1),
     Baseline("MLP probe of tip - target (m)", "vae", "probe_mlp_tip_to_target_m_mean", -1),
 )

@@ -25,7 +25,7 @@ from pipeline.storage.artefacts import read_json
 from pipeline.storage.sight import Sight, read_sight
 
 ANCHORS = ("no_op", "blind", "expert")
-_BESIDE = ("geometry", "vae", "dqn")  # whose numbers stand in a ranking, too
+_BESIDE = ("geometry", "operator", "vae", "dqn")  # whose numbers stand in a ranking, too
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,12 @@ from typing import Any
 
 from pipeline.stats.answer import Answer, race_part
 from pipeline.stats.branches import Results
+from pipeline.stats.messages import progress, sentence
 from pipeline.stats.pairs import pairs
 from pipeline.stats.params import RankingParams
 from pipeline.stats.race import Rules
 from pipeline.stats.ranks import Ranked
 from pipeline.stats.replay import Race
-from pipeline.stats.words import progress, sentence
 
 
 def race_parts(results: Results, race: Race | None, rows: list[Ranked], confidence: float) -> dict[str, Any]:

@@ -37,36 +37,37 @@ def entry(main: Callable[..., None], argv: Sequence[str] | None = None) -> None:
     """
     _line_buffer()
     gc.freeze()  # libraries' objects live to the end: to walk through them takes 2 s at exit alone
-    begun = time.monotonic()
+    begun, before = time.monotonic(), frozenset(threading.enumerate())
     try:
         main(**vars(parser(main).parse_args(argv)))
         _record_seconds(time.monotonic() - begun)
     except BelvedereError as error:
         print(f"error: {error}", file=sys.stderr)
-        _leave(1)
+        _leave(1, before)
     except KeyboardInterrupt:
-        _leave(130)
+        _leave(130, before)
     except Exception as error:
         reason = unwritable(error)
         if reason:
             print(f"error: {cache_sentence(error, reason)}", file=sys.stderr)
-            _leave(1)
-        if not _others_work():
+            _leave(1, before)
+        if not _others_work(before):
             raise
         traceback.print_exc()
-        _leave(1)
+        _leave(1, before)
 
 
-def _leave(status: int) -> NoReturn:
+def _leave(status: int, before: frozenset[threading.Thread]) -> NoReturn:
     """Ends the process, at once if others are at work: an ordinary exit would wait for their threads."""
-    if _others_work():
+    if _others_work(before):
         sys.stdout.flush()
         os._exit(status)
     raise SystemExit(status) from None
 
 
-def _others_work() -> bool:
-    return any(thread.name.startswith(WORKER) for thread in threading.enumerate())
+def _others_work(before: frozenset[threading.Thread]) -> bool:
+    """Whether ``main`` has begun workers that are not done; those that were there before are not its own."""
+    return any(thread.name.startswith(WORKER) for thread in threading.enumerate() if thread not in before)
 
 
 class _Parser(argparse.ArgumentParser):

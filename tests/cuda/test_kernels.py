@@ -37,7 +37,7 @@ def test_a_module_compiles_for_cuda(module: ModuleType, tmp_path: Path) -> None:
 
 
 @wp.func_native(bvh._QUERY.replace("defined(__CUDA_ARCH__)", "1"))
-def meet_mesh_as_on_cuda(
+def intersect_mesh_as_on_cuda(
     mesh_id: wp.uint64,
     triangles: wp.array2d[float],
     first_triangle: int,
@@ -71,7 +71,7 @@ def intersect(
 ) -> None:
     packet, rotation = wp.tid(), wp.identity(n=3, dtype=float)
     if as_on_cuda:
-        meet_mesh_as_on_cuda(
+        intersect_mesh_as_on_cuda(
             mesh, triangles, 0, origin, rotation, rays, 0, packet, 7, distances, slots, faces, us, vs
         )
     else:

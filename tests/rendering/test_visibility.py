@@ -14,16 +14,16 @@ from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.rendering.visibility import PICTURE_SIZE, Sight, refuse_hidden_targets
 from pipeline.sim.camera import camera_to_world
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.scene import Scene, compile_scene
+from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds
-from tests.sim.conftest import compiled
+from tests.sim.conftest import compile_changed, compiled
 
 
 def with_obstacle(center_m: tuple[float, ...], half_size_m: tuple[float, ...]) -> Scene:
     """Scene panda_2dof_obstacle with its obstacle elsewhere."""
     params = compiled("panda_2dof_obstacle").params
     tree = params.model_dump() | {"obstacles": [{"center_m": center_m, "half_size_m": half_size_m}]}
-    return compile_scene("moved", type(params).model_validate(tree))
+    return compile_changed("moved", type(params).model_validate(tree))
 
 
 def refused(scene: Scene, view: Viewpoint) -> bool:
@@ -55,7 +55,7 @@ def test_desk_and_the_pictures_edge_are_told() -> None:
         refuse_hidden_targets(compiled("panda_2dof"), viewpoint("panda_2dof", 0, -30))
     params = compiled("panda_2dof").params
     elsewhere = params.camera.model_copy(update={"look_at_m": (0.5, 1.5, 0.2)})
-    scene = compile_scene("turned", params.model_copy(update={"camera": elsewhere}))
+    scene = compile_changed("turned", params.model_copy(update={"camera": elsewhere}))
     with pytest.raises(BelvedereError, match="the picture's edge cuts off the whole target"):
         refuse_hidden_targets(scene, viewpoint("turned", 0, 0))
 

@@ -17,7 +17,7 @@ PARAMS = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
 BRANCHES = {"study", *PARAMS["viewpoints"]}
 SCENE_STAGES = ("scene", "rollouts", "anchors", "ranking")
 SHARED = {f"{stage}@{scene}" for stage in SCENE_STAGES for scene in PARAMS["scenes"]}
-FAN_IN = {"alignment", "report"}
+FAN_IN = {"trials", "people", "report"}
 
 
 @pytest.fixture(autouse=True)

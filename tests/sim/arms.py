@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline.sim.params import Box, SceneParams
 from pipeline.sim.robot_params import RobotParams
-from pipeline.sim.scene import Scene, compile_with
+from pipeline.sim.scene import Scene, compile_scene
 from tests.sim.conftest import compiled
 
 HOME = {"yaw": 0.0, "shoulder": 0.5, "elbow": 1.3, "roll": 0.0, "wrist": 1.3, "turn": 0.0}
@@ -134,4 +134,4 @@ def scene(root: Path, declared: RobotParams, obstacles: tuple[Box, ...] = (), na
         "start": given.start.model_copy(update=ends),
     }
     described: SceneParams = given.model_copy(update=changes)
-    return compile_with("any", described, declared, root)
+    return compile_scene("any", described, declared, root)

@@ -12,7 +12,7 @@ import pytest
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.rendering.renderer import Renderer
 from pipeline.sim.arm_controllers import JointController, TipPose
-from pipeline.sim.draws import draw_episodes
+from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.expert import Expert
 from pipeline.sim.params import Box
 from pipeline.sim.robot import HIDDEN_GROUP, arm_actuators
@@ -99,11 +99,9 @@ def test_what_stands_in_its_way_stops_it(tmp_path: Path) -> None:
     passed = []
     for obstacles in ((), (wall,)):
         arm = scene(tmp_path, robot(tmp_path, mjcf(), home=HOME), obstacles)
-        episodes = draw_episodes(arm, 1, np.random.default_rng(0))
         start = np.array([[0.45, -0.1, 0.3]])
-        episodes = type(episodes)(start, start * [1, -1, 1])
         worlds = Worlds(arm, 1)
-        worlds.reset(episodes)
+        worlds.reset(Episodes.at(start, start * [1, -1, 1]))
         for _ in range(arm.frames):
             worlds.step(np.array([[1.0, 0.0]]))
         passed.append(float(worlds.tip[0, 1]))

@@ -8,8 +8,8 @@ from scipy import stats
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.sim.draws import draw_episodes, start_density
-from pipeline.sim.scene import Scene, compile_scene
-from tests.sim.conftest import compiled
+from pipeline.sim.scene import Scene
+from tests.sim.conftest import compile_changed, compiled
 
 COUNT = 64
 
@@ -38,7 +38,7 @@ def jittered(name: str, *jitter_m: float) -> Scene:
     """A scene of params.yaml with another jitter."""
     params = compiled(name).params
     target = params.target.model_copy(update={"jitter_m": jitter_m})
-    return compile_scene(name, params.model_copy(update={"target": target}))
+    return compile_changed(name, params.model_copy(update={"target": target}))
 
 
 def test_the_candidates_are_drawn_in_equal_shares(scene: Scene) -> None:
@@ -87,7 +87,7 @@ def test_same_generator_same_episodes(scene: Scene) -> None:
 
 def test_a_start_that_cannot_be_is_told() -> None:
     params = compiled("panda_2dof_obstacle").params
-    impossible = compile_scene("filled", params.model_copy(update={"obstacle_clearance_m": 0.5}))
+    impossible = compile_changed("filled", params.model_copy(update={"obstacle_clearance_m": 0.5}))
     with pytest.raises(BelvedereError, match="no acceptable start for target candidate"):
         draw_episodes(impossible, 1, np.random.default_rng(6))
 

@@ -200,6 +200,10 @@ def test_every_file_that_is_read_decides_and_nothing_else(tmp_path: Path) -> Non
         ({"home": [1, 2]}, "robots.arm.home is not valid: it maps joints to positions"),
         ({"home": {"yaw": "1"}}, "robots.arm.home is not valid: it maps joints to positions"),
         ({"drive": {"keeps": "posture"}}, "drive.keeps = 'posture' is not valid: .*'pose' or 'place'"),
+        (
+            {"drive": {"actuators": "own", "frequency_hz": 9}},
+            "frequency_hz would change nothing with actuators: own; only added servos are tuned",
+        ),
         ({"drive": {"actuators": "weld"}}, "weld is not for build: attached, which takes added or own"),
         (
             {"build": "kitchen_panda", "drive": {"actuators": "own"}, "remove": ["a"]},

@@ -12,10 +12,10 @@ from pipeline.rendering.renderer import Renderer
 from pipeline.sim.arm_controllers import next_setpoint
 from pipeline.sim.draws import Episodes, draw_episodes
 from pipeline.sim.environment import environment
-from pipeline.sim.scene import Scene, compile_scene
+from pipeline.sim.scene import Scene
 from pipeline.sim.wheel_robots import UPRIGHT
 from pipeline.sim.worlds import Worlds
-from tests.sim.conftest import VIEWS, compiled
+from tests.sim.conftest import VIEWS, compile_changed, compiled
 
 COUNT = 3
 
@@ -63,7 +63,7 @@ def test_dm_controls_episode_has_the_scenes_frames(frames: int, substeps: int, t
     """3 · (5 · 0.005) is more than 3 · 5 · 0.005 in floats."""
     own = compiled("panda_2dof").params
     sizes = {"frames": frames, "substeps": substeps, "timestep_s": timestep_s}
-    env = environment(compile_scene("other", own.model_copy(update=sizes)), np.random.default_rng(0))
+    env = environment(compile_changed("other", own.model_copy(update=sizes)), np.random.default_rng(0))
     env.reset()
     still = np.zeros(2)
     assert [env.step(still).last() for _ in range(frames)] == [False] * (frames - 1) + [True]
@@ -147,7 +147,7 @@ def test_fetch_returns_are_those_of_fetch_reach() -> None:
     scene = compiled("fetch_reach")
     far = scene.params.workspace.model_copy(update={"low_m": (-9.0, -9.0, -9.0), "high_m": (9.0, 9.0, 9.0)})
     cube = scene.params.target.model_copy(update={"jitter_m": (0.15, 0.15, 0.15)})
-    gym = compile_scene("gym", scene.params.model_copy(update={"workspace": far, "target": cube}))
+    gym = compile_changed("gym", scene.params.model_copy(update={"workspace": far, "target": cube}))
     count = 200
     rng = np.random.default_rng(0)
     episodes, worlds = draw_episodes(gym, count, rng), Worlds(gym, count, 2)

@@ -11,7 +11,8 @@ from pipeline import report
 
 FOLDERS = {name: Path("reports") / name for name in ("rankings", "branches", "anchors", "pictures")}
 FOLDERS |= {
-    "alignment": Path("reports/alignment.json"),
+    "people": Path("reports/people.json"),
+    "points": Path("data/people"),
     "coverage": Path("data/coverage.csv"),
     "tried": Path("data/tried.csv"),
     "record": Path("reports/paper"),

@@ -1,4 +1,4 @@
-"""Made-up rankings, as the stages `ranking` and `alignment` leave them, for tests of the page."""
+"""Made-up rankings, as the stage `ranking` leaves them, for tests of the page."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import polars as pl
 import yaml
 from scipy import stats
 
@@ -229,30 +228,3 @@ def claims(scene: str, networks: int) -> list[dict[str, Any]]:
             outcome = {**outcome, "direction": None}
         found.append({"first_deg": None, "second_deg": None, **claim, **shown, **outcome})
     return found
-
-
-def alignment(rankings: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
-    """People's trials beside the rankings: every second one is settled."""
-    table = pl.read_csv(REPOSITORY / "data/reference/subjects.csv", comment_prefix="#")
-    trials = []
-    for n, trial in enumerate(table.to_dicts()):
-        ours = 0.0412 if trial["scene"] in rankings else None
-        trials.append(
-            {**trial, "p_holm": min(1.0, 3 * trial["p"]),
-             "people_advantage": 1 - trial["first"] / trial["second"], "ours": ours,
-             "low": None if ours is None else (-0.02 if n % 2 else 0.01),
-             "high": None if ours is None else 0.09,
-             "same_sign": None if ours is None else True, "settled": ours is not None and n % 2 == 0}
-        )  # fmt: skip
-    agreements = [
-        {"source": "Liu et al.", "measure": "time", "tasks": 1, "agree": 1, "chance": 0.5, "leaning": 0},
-        {
-            "source": "Liu et al.",
-            "measure": "distance error",
-            "tasks": 0,
-            "agree": 0,
-            "chance": None,
-            "leaning": 1,
-        },
-    ]
-    return {"trials": trials, "agreements": agreements if rankings else []}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,6 +11,7 @@ import polars as pl
 import yaml
 from PIL import Image, ImageDraw
 
+from pipeline import people, trials
 from pipeline.reporting.results import Coverage
 from pipeline.reporting.tried import COLUMNS
 from pipeline.storage.artefacts import write_json
@@ -22,10 +22,11 @@ from tests.stages.report_rankings import (
     MOST,
     NO_OP,
     PROVENANCE,
+    REPOSITORY,
     Angles,
-    alignment,
     ranking,
 )
+from tests.study.sessions import write_sessions
 
 VIEWS: dict[str, dict[str, tuple[float, float]]] = {
     "panda_1dof": {"panda_1dof-a": (90, 45), "panda_1dof-b": (90, 30)},
@@ -52,6 +53,7 @@ def write_study(
     study: tuple[str, float, float] | None = ("panda_2dof", 45, 15),
     most: int = MOST,
     opened: tuple[str, ...] = (),
+    participants: int = 0,
 ) -> None:
     """Writes all that the stage `report` reads.
 
@@ -61,6 +63,7 @@ def write_study(
         study: scene, θ and φ of the viewpoint under study.
         most: repeats that no view has more of.
         opened: scenes whose race is not over.
+        participants: of a made-up study of the scripted operator's.
     """
     rng = np.random.default_rng(7)
     _write_params(folder, scenes)
@@ -77,7 +80,7 @@ def write_study(
             write_pictures(folder / "reports/pictures" / key, angles)
         content = ranking(scene, views, returns, opened=scene in opened)
         write_json(folder / f"reports/rankings/{scene}.json", content)
-    align(folder)
+    write_people(folder, participants)
     _write_record(folder / "reports", list(scenes))
     _write_coverage(folder / "data/coverage.csv")
     pl.DataFrame(schema=COLUMNS).write_csv(folder / "data/tried.csv")
@@ -91,11 +94,17 @@ def _write_record(reports: Path, scenes: list[str]) -> None:
     write_json(reports / "paper" / "about.json", {**about, "date": "2026-11-27", "hours": 4.25})
 
 
-def align(folder: Path) -> None:
-    """Writes the made-up alignment of the rankings that are there."""
-    files = (folder / "reports/rankings").glob("*.json")
-    rankings = {file.stem: json.loads(file.read_text(encoding="utf-8")) for file in files}
-    write_json(folder / "reports/alignment.json", alignment(rankings))
+def write_people(folder: Path, participants: int = 0, operator: str = "scripted") -> None:
+    """What `trials` and `people` make of made-up sessions, held against the rankings that are there."""
+    study = folder / "data/sessions"
+    study.mkdir(parents=True, exist_ok=True)
+    if participants:
+        write_sessions(study, participants, seed=5, operator=operator)
+    joined = folder / "data/trials.parquet"
+    trials.main(study=study, out=joined, excluded=folder / "data/excluded.csv")
+    subjects, rankings = REPOSITORY / "data/reference/subjects.csv", folder / "reports/rankings"
+    out, points = folder / "reports/people.json", folder / "data/people"
+    people.main(trials=joined, subjects=subjects, rankings=rankings, out=out, points=points)
 
 
 def _write_params(folder: Path, scenes: Mapping[str, Angles]) -> None:
@@ -111,6 +120,7 @@ def _write_params(folder: Path, scenes: Mapping[str, Angles]) -> None:
         "vae": {},
         "mdnrnn": {},
         "scenes": {scene: {"frames": 50} for scene in scenes},
+        "people": yaml.safe_load((REPOSITORY / "params.yaml").read_text(encoding="utf-8"))["people"],
         "budgets": {"quick": sizes},
     }
     (folder / "params.yaml").write_text(yaml.safe_dump(tree, sort_keys=False))
@@ -157,6 +167,10 @@ def _write_branch(
          "repeats": [{"repeat": r, "return": value} for r, value in enumerate(returns)],
          "provenance": PROVENANCE},
     )  # fmt: skip
+    times = {f"time_s_{kind}": 3.1 + place for kind in ("mean", "median")}
+    distances = {f"distance_m_{kind}": 0.0021 + place / 1000 for kind in ("mean", "median")}
+    ended = {"trials": 64, "grasped_share": 1 - place / 20, "look_m": {"y": 0.0017, "z": 0.0121}}
+    write_json(folder / "operator.json", {**head, **ended, **times, **distances})
     vae = {f"{name}_mean": float(rng.uniform(0.004, 0.06)) for name in PROBES}
     vae |= {f"guess_{what}_m_mean": float(rng.uniform(0.1, 0.3)) for what in THINGS}
     vae |= {f"{name}_mean": float(rng.uniform(0, 1)) for name in SHARES}

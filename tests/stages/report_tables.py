@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from pipeline.reporting import numbers
 from pipeline.reporting.numbers import (
@@ -20,8 +19,8 @@ from pipeline.reporting.numbers import (
     score,
     whole,
 )
+from tests.stages.report_people_tables import Row, expected_of_people
 
-Row = Mapping[str, Any]
 SYMBOLS = {"theta": "θ", "phi": "φ"}
 THINGS = ("tip", "target", "tip_to_target")
 
@@ -32,7 +31,7 @@ def expected(folder: Path) -> dict[str, list[list[str]]]:
     scenes = list(dict.fromkeys(row["scene"] for row in tables["ranking"]))
     found = {
         "Findings": _rows(tables["claims"], _claim),
-        "People and world model": _rows(tables["people"], _person),
+        **expected_of_people(tables),
         "Simulated races": _rows(tables["coverage"], _coverage),
         "Trainings": [_trainings(scene, tables["ranking"]) for scene in scenes],
     }
@@ -196,26 +195,3 @@ def _claim(row: Row) -> list[str]:
     told = [row[name] or numbers.MISSING for name in ("direction", "size")]
     outcome = row["outcome"].replace("above blind", "above target-blind")
     return [row["section"], row["scene"], row["judge"], finding, *ours, *told, outcome]
-
-
-def _person(row: Row) -> list[str]:
-    views = [f"({degrees(row[f'{one}_theta'])}, {degrees(row[f'{one}_phi'])})" for one in ("first", "second")]
-    return [
-        row["scene"],
-        " and ".join(views),
-        f"{row['measure']}, {row['unit']}",
-        fixed(row["first"], 2),
-        fixed(row["second"], 2),
-        percent(row["people_advantage"]),
-        p_value(row["p"]),
-        p_value(row["p_holm"]),
-        score(row["ours"]),
-        interval(row["low"], row["high"]),
-        _preferred(row),
-    ]
-
-
-def _preferred(row: Row) -> str:
-    if row["same_sign"] is None:
-        return numbers.MISSING
-    return ("" if row["settled"] else "leans ") + ("yes" if row["same_sign"] else "no")

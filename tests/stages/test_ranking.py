@@ -62,7 +62,7 @@ class Written:
         repeats = [{"repeat": r, "return": value} for r, value in enumerate(returns)]
         view = {"scene": "reach", "theta_deg": float(theta), "phi_deg": float(phi)}
         self.write(f"branches/{key}/evaluation.json", {**view, "repeats": repeats, "provenance": PROVENANCE})
-        for stage in ("geometry", "vae"):
+        for stage in ("geometry", "operator", "vae"):
             numbers = {b.entry: abs(theta - phi) + 1.0 for b in BASELINES if b.stage == stage}
             probes = [{"repeat": r, **PROBES} for r in range(len(returns))]
             self.write(f"branches/{key}/{stage}.json", {**view, **numbers, "repeats": probes})
@@ -289,7 +289,7 @@ BAD: dict[str, tuple[str, Callable[[dict[str, Any]], object], str]] = {
 }
 
 
-@pytest.mark.parametrize("stage", ["geometry", "vae", "dqn"])
+@pytest.mark.parametrize("stage", ["geometry", "operator", "vae", "dqn"])
 def test_what_stands_beside_the_returns_is_of_the_same_viewpoint(written: Written, stage: str) -> None:
     file = f"branches/study/{stage}.json"
     content = json.loads(Path(file).read_text()) if stage != "dqn" else {"repeats": []}

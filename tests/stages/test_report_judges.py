@@ -52,7 +52,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Built]:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         patch.setenv("BELVEDERE_SCRATCH", str(folder / "scratch"))
-        write_study(folder, {SCENE: VIEWS[SCENE], "panda_2dof": VIEWS["panda_2dof"]})
+        scenes = {SCENE: VIEWS[SCENE], "panda_2dof": VIEWS["panda_2dof"]}
+        write_study(folder, scenes, participants=7)
         before = built(folder)
         write_networks(folder)
         return {"without": before, "with": built(folder)}

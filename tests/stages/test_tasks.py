@@ -20,6 +20,7 @@ from pipeline import (
     geometry,
     latents,
     mdnrnn,
+    operator,
     ranking,
     rollouts,
     vae,
@@ -45,6 +46,8 @@ def paste(folder: Path, kind: str) -> None:
     assert yaml.safe_load(text)["scenes"][f"panda_{kind}"]["frames"] == 16
     text = re.sub(r"^budget: \w+", "budget: tiny", text, flags=re.M)
     text = re.sub(r"^sight_share: .*", "sight_share: 0.9999", text, flags=re.M)
+    text = re.sub(r"^  limit_s: 60 ", "  limit_s: 4 ", text, flags=re.M)
+    text = re.sub(r"^  trials: 16 ", "  trials: 2 ", text, flags=re.M)
     (folder / "params.yaml").write_text(text, encoding="utf-8")
     listed = {key: f"${{viewpoints.{key}}}" for key in yaml.safe_load(text)["viewpoints"]}
     stages = {"evaluation": {"foreach": {"study": "${viewpoint}", **listed}}}
@@ -100,6 +103,7 @@ def branch(scene: str, key: str, said: Path, theta: float, phi: float) -> None:
     assert store.repeat("target_pixels_free", 0).min() > 5  # the target is in the picture
     assert store.repeat("target_pixels", 0).max() > 5
     geometry.main(**view, rollouts=said, out=reports / "geometry.json")
+    operator.main(**view, out=reports / "operator.json")
     assert (
         0.2 < json.loads((reports / "geometry.json").read_text(encoding="utf-8"))["target_seen_share"] <= 1.0
     )

@@ -8,10 +8,10 @@ import pytest
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.stats.answer import Answer, answer, race_part
 from pipeline.stats.branches import Results
+from pipeline.stats.messages import progress, sentence
 from pipeline.stats.race import Rules
 from pipeline.stats.ranks import Ranked, rank
 from pipeline.stats.replay import Race, replay
-from pipeline.stats.words import progress, sentence
 from pipeline.storage.sight import Sight
 
 RULES = Rules(first=3, most=20, tolerance=0.05, probability=0.008)

@@ -17,7 +17,7 @@ def write(folder: Path, values: dict[str, list[float]]) -> list[str]:
     keys = [f"reach-{letter}" for letter in "abcdef"[: len(next(iter(values.values())))]]
     for i, key in enumerate(keys):
         (folder / key).mkdir()
-        for stage in ("geometry", "vae"):
+        for stage in ("geometry", "operator", "vae"):
             content = {
                 b.entry: values.get(b.entry, [0.0] * len(keys))[i] for b in BASELINES if b.stage == stage
             }

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from pipeline.contract.errors import BelvedereError, unknown
-from pipeline.storage.stage import entry, parser
+from pipeline.storage.stage import WORKER, entry, parser
 
 FLAGS = ["--scene", "panda_2dof", "--theta", "-45", "--out", "a folder/b"]
 
@@ -70,6 +72,21 @@ def test_bad_input_ends_with_one_sentence_and_status_1(capsys: pytest.CaptureFix
     assert end.value.code == 1
     told = capsys.readouterr().err
     assert told == "error: viewpoint 'fron' is unknown; available: front, side.\n"
+
+
+def test_workers_of_others_do_not_end_the_process_at_once() -> None:
+    """In a process that runs one stage after the other, workers of an earlier one may be alive."""
+
+    def main() -> None:
+        raise unknown("viewpoint", "fron", ["front"])
+
+    done = threading.Event()
+    with ThreadPoolExecutor(1, WORKER) as pool:
+        pool.submit(done.wait)
+        with pytest.raises(SystemExit) as end:
+            entry(main, [])
+        done.set()
+    assert end.value.code == 1
 
 
 def test_a_defect_keeps_its_traceback() -> None:

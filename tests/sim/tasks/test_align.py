@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.scene import Scene, compile_scene
+from pipeline.sim.scene import Scene
 from pipeline.sim.tasks.base import State
 from pipeline.sim.tasks.bodies import TARGET_GROUP
 from tests.examples import example
+from tests.sim.conftest import compile_changed
 
 
 def changed(scene_axes: tuple[str, ...] = ("y", "z"), **task: object) -> Scene:
     params = example("align").params
     tree = params.model_dump() | {"axes": scene_axes, "task": params.task.model_dump() | task}
-    return compile_scene("changed", type(params).model_validate(tree))
+    return compile_changed("changed", type(params).model_validate(tree))
 
 
 def test_free_axes_cost_nothing() -> None:

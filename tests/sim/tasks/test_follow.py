@@ -6,15 +6,16 @@ import numpy as np
 from scipy import stats
 
 from pipeline.sim.draws import draw_episodes
-from pipeline.sim.scene import Scene, compile_scene
+from pipeline.sim.scene import Scene
 from pipeline.sim.worlds import Worlds, target_paths
 from tests.examples import example
+from tests.sim.conftest import compile_changed
 
 
 def with_task(**changed: object) -> Scene:
     params = example("follow").params
     tree = params.model_dump() | {"task": params.task.model_dump() | changed}
-    return compile_scene("changed", type(params).model_validate(tree))
+    return compile_changed("changed", type(params).model_validate(tree))
 
 
 def test_the_target_has_the_declared_radius_and_period() -> None:

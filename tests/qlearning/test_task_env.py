@@ -11,7 +11,7 @@ from stable_baselines3.common.env_checker import check_env
 
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.qlearning.actions import action_table
-from pipeline.qlearning.reach_env import ReachEnv, dqn_reward
+from pipeline.qlearning.task_env import TaskEnv, dqn_reward
 from pipeline.rendering.renderer import Renderer
 from pipeline.sim.draws import draw_episodes
 from pipeline.sim.environment import environment
@@ -20,16 +20,16 @@ from pipeline.sim.scene import load_scene
 COUNT = 3
 
 
-def reach_env(name: str, count: int = COUNT, seed: int = 5, threads: int = 2) -> ReachEnv:
+def task_env(name: str, count: int = COUNT, seed: int = 5, threads: int = 2) -> TaskEnv:
     view = viewpoint(name, 20, 30)
-    return ReachEnv(load_scene(name), view, count, np.random.default_rng(seed), threads)
+    return TaskEnv(load_scene(name), view, count, np.random.default_rng(seed), threads)
 
 
 class OneWorld(gymnasium.Env):
     """One world of the vectorised environment under gymnasium's own interface, for the library's checker."""
 
     def __init__(self) -> None:
-        self._env = reach_env("panda_2dof", count=1)
+        self._env = task_env("panda_2dof", count=1)
         self.observation_space, self.action_space = self._env.observation_space, self._env.action_space
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[np.ndarray, dict[str, Any]]:
@@ -52,7 +52,7 @@ def test_the_librarys_checker_finds_nothing() -> None:
 @pytest.mark.parametrize("name", ["panda_1dof", "fetch_reach"])
 def test_rewards_and_pictures_are_those_of_the_dm_control_environment(name: str) -> None:
     scene, view = load_scene(name), viewpoint(name, 20, 30)
-    env, table = reach_env(name), action_table(scene.action_size)
+    env, table = task_env(name), action_table(scene.action_size)
     assert len(table) == env.action_space.n == 3**scene.action_size
     first = np.array(env.reset())
     episodes = draw_episodes(scene, COUNT, np.random.default_rng(5))  # what the environment drew
@@ -73,7 +73,7 @@ def test_rewards_and_pictures_are_those_of_the_dm_control_environment(name: str)
 
 
 def test_episodes_are_cut_off_not_ended_and_begin_anew_at_once() -> None:
-    env = reach_env("panda_1dof")
+    env = task_env("panda_1dof")
     frames = env.frames
     env.reset()
     still = np.full(COUNT, 1)  # the middle of {-1, 0, 1}
@@ -93,7 +93,7 @@ def test_episodes_are_cut_off_not_ended_and_begin_anew_at_once() -> None:
 
 
 def test_a_returned_picture_is_not_drawn_over() -> None:
-    env = reach_env("panda_1dof")
+    env = task_env("panda_1dof")
     env.reset()
     first = env.step(np.zeros(COUNT, int))[0]
     kept = first.copy()
@@ -102,7 +102,7 @@ def test_a_returned_picture_is_not_drawn_over() -> None:
 
 
 def test_threads_do_not_change_a_picture() -> None:
-    one, two = (reach_env("panda_2dof", threads=threads) for threads in (1, 2))
+    one, two = (task_env("panda_2dof", threads=threads) for threads in (1, 2))
     np.testing.assert_array_equal(one.reset(), two.reset())
     for _ in range(3):
         actions = np.array([0, 4, 8])

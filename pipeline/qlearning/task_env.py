@@ -46,7 +46,7 @@ class Pictures:
         return self._rgb.copy()
 
 
-class ReachEnv(VecEnv):
+class TaskEnv(VecEnv):
     """Worlds of one scene, seen from one viewpoint; all their episodes begin and end together.
 
     The limit of frames is truncation, not termination: an episode's last picture comes as

@@ -1,8 +1,8 @@
 """Do viewpoints that serve the machine serve people? Signs of differences, task by task.
 
-People's means and p-values come from a table of trials; ours from the rankings. The unit is the task: with
-three of them, three equal signs come by chance once in eight. Only tasks in which our direction is settled
-are counted; others lean.
+People's means and p-values come from a table: the published ones and a study's own. Ours come from the
+rankings. The unit is the task: with three of them, three equal signs come by chance once in eight. Only tasks
+in which our direction is settled are counted; others lean.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 from scipy import stats
 
 from pipeline.contract.params import Section
@@ -19,8 +19,18 @@ from pipeline.stats.judges import holm
 View = tuple[float, float]  # θ, φ in degrees
 
 
-class Trial(Section):
-    """One task and measure: people's means under two views, lower is better."""
+class Row(Section):
+    """One task and measure: people's means under two views, lower is better.
+
+    Attributes:
+        source: who measured.
+        scene, measure, unit: what.
+        first_theta, first_phi, second_theta, second_phi: the views, degrees.
+        people: how many.
+        first, second: the means, in the unit; ``None`` where so few people were measured that a mean
+            would tell of one of them.
+        p: of the paper's two-sample t-test; ``None`` where there is none.
+    """
 
     source: str
     scene: str
@@ -30,9 +40,23 @@ class Trial(Section):
     first_phi: float
     second_theta: float
     second_phi: float
-    first: float
-    second: float
-    p: float
+    people: int = Field(ge=0)
+    first: float | None
+    second: float | None
+    p: float | None
+
+    @property
+    def views(self) -> tuple[View, View]:
+        return (self.first_theta, self.first_phi), (self.second_theta, self.second_phi)
+
+
+class Published(Row):
+    """A row of the published table, in which nothing is missing."""
+
+    people: int = Field(ge=2)
+    first: float = Field(gt=0)
+    second: float = Field(gt=0)
+    p: float = Field(gt=0, lt=1)
 
 
 class _Entry(Section):
@@ -65,11 +89,11 @@ class Ranking(_Entry):
     pairs: list[Pair]
 
 
-class Compared(Trial):
+class Compared(Row):
     """People's difference beside ours.
 
     Attributes:
-        p_holm: people's p-value after Holm's correction over all trials of the source.
+        p_holm: people's p-value after Holm's correction over all rows of the source.
         people_advantage: by how much the first view is better for people, share of the second's mean.
         ours, low, high: by how much the first view's score is higher for the world model, with its interval;
             ``None`` where a view was not ranked, or the judge cannot see there.
@@ -77,8 +101,8 @@ class Compared(Trial):
         settled: whether our interval lies on one side of zero.
     """
 
-    p_holm: float
-    people_advantage: float
+    p_holm: float | None
+    people_advantage: float | None
     ours: float | None
     low: float | None
     high: float | None
@@ -91,7 +115,7 @@ class Agreement:
     """Of one measure: how many tasks' signs agree, and how likely that is by chance.
 
     Attributes:
-        source, measure: of people's trials.
+        source, measure: of people's rows.
         tasks: in which our direction is settled.
         agree: of them, in which people's is the same.
         chance: of as many or more, were each sign a coin's; ``None`` without a settled task.
@@ -106,15 +130,15 @@ class Agreement:
     leaning: int
 
 
-def compare(trials: Sequence[Trial], rankings: Mapping[str, Ranking]) -> list[Compared]:
-    """Each trial beside the ranking of its scene, where there is one."""
-    by_source = {source: [t for t in trials if t.source == source] for source in {t.source for t in trials}}
+def compare(rows: Sequence[Row], rankings: Mapping[str, Ranking]) -> list[Compared]:
+    """Each row beside the ranking of its scene, where there is one."""
+    tested = {s: [r for r in rows if r.source == s and r.p is not None] for s in {r.source for r in rows}}
     adjusted = {
-        id(trial): p
-        for own in by_source.values()
-        for trial, p in zip(own, holm([t.p for t in own]), strict=True)
+        id(row): p
+        for own in tested.values()
+        for row, p in zip(own, holm([r.p for r in own if r.p is not None]), strict=True)
     }
-    return [_compared(trial, adjusted[id(trial)], rankings.get(trial.scene)) for trial in trials]
+    return [_compared(row, adjusted.get(id(row)), rankings.get(row.scene)) for row in rows]
 
 
 def agreements(compared: Sequence[Compared]) -> list[Agreement]:
@@ -132,12 +156,14 @@ def _agreement(source: str, measure: str, rows: Sequence[Compared]) -> Agreement
     return Agreement(source, measure, len(signs), sum(signs), chance, len(rows) - len(signs))
 
 
-def _compared(trial: Trial, p_holm: float, ranking: Ranking | None) -> Compared:
-    people = (trial.second - trial.first) / trial.second
-    ours, low, high = _our_difference(trial, ranking) if ranking else (None, None, None)
+def _compared(row: Row, p_holm: float | None, ranking: Ranking | None) -> Compared:
+    people = None
+    if row.first is not None and row.second:
+        people = (row.second - row.first) / row.second
+    ours, low, high = _our_difference(row, ranking) if ranking else (None, None, None)
     same = None if ours is None or not people else bool((ours > 0) == (people > 0))
     return Compared(
-        **trial.model_dump(),
+        **row.model_dump(),
         p_holm=p_holm,
         people_advantage=people,
         ours=ours,
@@ -148,10 +174,9 @@ def _compared(trial: Trial, p_holm: float, ranking: Ranking | None) -> Compared:
     )
 
 
-def _our_difference(trial: Trial, ranking: Ranking) -> tuple[float | None, float | None, float | None]:
+def _our_difference(row: Row, ranking: Ranking) -> tuple[float | None, float | None, float | None]:
     keys = {(v.theta_deg, v.phi_deg): key for key, v in ranking.viewpoints.items()}
-    first = keys.get((trial.first_theta, trial.first_phi))
-    second = keys.get((trial.second_theta, trial.second_phi))
+    first, second = (keys.get(view) for view in row.views)
     for pair in ranking.pairs:
         if (pair.first, pair.second) == (first, second):
             return pair.difference, pair.low, pair.high

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.alignment import read_trials
 from pipeline.contract.errors import BelvedereError
-from pipeline.stats.alignment import Compared, Ranking, agreements, compare
+from pipeline.stats.agreement import Compared, Ranking, agreements, compare
+from pipeline.study.subjects import read_subjects
 
 ROOT = Path(__file__).resolve().parents[2]
-TRIALS = read_trials(ROOT / "data/reference/subjects.csv")
+ROWS = read_subjects(ROOT / "data/reference/subjects.csv")
 LIKE_PEOPLE = {"panda_1dof": 1.0, "panda_2dof": 1.0, "panda_2dof_obstacle": 1.0}
 
 
@@ -40,8 +40,8 @@ def ranking(
 
 
 def found(differences: dict[str, float], turned: bool = False) -> list[Compared]:
-    places = {t.scene: ((t.first_theta, t.first_phi), (t.second_theta, t.second_phi)) for t in TRIALS}
-    return compare(TRIALS, {s: ranking(d, turned, *places[s]) for s, d in differences.items()})
+    places = {t.scene: ((t.first_theta, t.first_phi), (t.second_theta, t.second_phi)) for t in ROWS}
+    return compare(ROWS, {s: ranking(d, turned, *places[s]) for s, d in differences.items()})
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -92,7 +92,7 @@ def test_the_papers_p_values_after_holm() -> None:
 def test_a_foreign_table_is_named(tmp_path: Path, text: str) -> None:
     path = tmp_path / "subjects.csv"
     path.write_text(text)
-    with pytest.raises(BelvedereError, match=r"subjects\.csv holds no table of trials"):
-        read_trials(path)
+    with pytest.raises(BelvedereError, match=r"subjects\.csv holds no table of people's means"):
+        read_subjects(path)
     with pytest.raises(BelvedereError, match="is missing"):
-        read_trials(tmp_path / "none.csv")
+        read_subjects(tmp_path / "none.csv")
