@@ -25,6 +25,7 @@ Row = dict[str, Any]
 
 def tables(scenes: Sequence[SceneResults], reference: Reference) -> dict[str, list[Row]]:
     """The page's tables by name; those without a row are left out."""
+    recorded = reference.record.scenes if reference.record else []
     found = {
         "ranking": [row for scene in scenes for row in _ranking(scene)],
         "answers": [_answer(scene) for scene in scenes],
@@ -45,8 +46,8 @@ def tables(scenes: Sequence[SceneResults], reference: Reference) -> dict[str, li
         "operator": [row for scene in scenes for row in _operator(scene)],
         "tried": [_tried(row) for scene in reference.tried for row in scene.rows],
         "agreements": [agreement.model_dump() for agreement in reference.people.found.agreements],
-        "learning_from_zero": [row for scene in reference.record.scenes for row in _learning(scene)],
-        "claims_from_zero": [c.model_dump() for s in reference.record.scenes for c in s.ranking.claims],
+        "learning_from_zero": [row for scene in recorded for row in _learning(scene)],
+        "claims_from_zero": [claim.model_dump() for scene in recorded for claim in scene.ranking.claims],
         "coverage": [row.model_dump() for row in reference.coverage],
     }
     return {name: rows for name, rows in found.items() if rows}

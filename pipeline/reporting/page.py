@@ -60,13 +60,13 @@ class Reference:
         people: people's trials, published and own, and the rankings held against them.
         coverage: simulated races, and how often they ended with a false statement.
         tried: viewpoints of experiments.
-        record: the run in which controllers were searched for from zero.
+        record: the run in which controllers were searched for from zero, where one is kept.
     """
 
     people: PeopleResults
     coverage: list[Coverage]
     tried: list[TriedScene]
-    record: Record
+    record: Record | None
 
 
 @dataclass(frozen=True)
@@ -133,8 +133,10 @@ def _results(scenes: Sequence[SceneResults], pictures: Path, random_frames: dict
     }
 
 
-def _record(record: Record) -> dict[str, Any]:
-    """What the template says of the record."""
+def _record(record: Record | None) -> dict[str, Any]:
+    """What the template says of the record, where there is one."""
+    if record is None:
+        return {}
     curves = {scene.name: curve_plots(scene, scene_bands(scene), "zero-") for scene in record.scenes}
     drawn = {name: {key: Markup(svg) for key, svg in plots.items()} for name, plots in curves.items()}
     return {"record_claims": claims(record.scenes), "record_curves": drawn}

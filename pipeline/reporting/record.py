@@ -45,12 +45,14 @@ class Record:
         return {scene.name: learned(scene_bands(scene)) for scene in self.scenes}
 
 
-def read_record(folder: Path) -> Record:
-    """Reads the record.
+def read_record(folder: Path) -> Record | None:
+    """Reads the record; ``None`` where none is kept.
 
     Raises:
         BelvedereError: a table is missing, foreign or incomplete.
     """
+    if not (folder / ABOUT).is_file():
+        return None
     rankings, branches, anchors = (folder / name for name in ("rankings", "branches", "anchors"))
     try:
         about = read_model(About, folder / ABOUT, "report")

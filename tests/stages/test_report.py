@@ -194,6 +194,20 @@ def test_seconds_are_shown_where_they_were_recorded(html: str, build: Build) -> 
     assert "7777" not in html
 
 
+def test_a_run_from_zero_is_shown_where_one_is_kept(html: str, build: Build) -> None:
+    assert 'id="from-zero"' in html and rows(html, "Findings from zero")
+    Path("reports/paper/about.json").unlink()
+    page = build()
+    assert "from zero" not in page and not (TABLES / "claims_from_zero.csv").exists()
+    assert rows(page, "Findings") == rows(html, "Findings")
+
+
+def test_a_record_that_is_cut_short_is_told(build: Build) -> None:
+    Path("reports/paper/rankings/panda_2dof.json").unlink()
+    with pytest.raises(BelvedereError, match="git checkout reports/paper"):
+        build()
+
+
 def test_viewpoints_that_experiments_tried_are_shown(
     html: str, build: Build, capsys: pytest.CaptureFixture[str]
 ) -> None:
