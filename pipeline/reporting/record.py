@@ -56,7 +56,10 @@ def read_record(folder: Path) -> Record | None:
     rankings, branches, anchors = (folder / name for name in ("rankings", "branches", "anchors"))
     try:
         about = read_model(About, folder / ABOUT, "report")
-        return Record(about, read_results(about.scenes, rankings, branches, anchors)[0])
+        scenes, missing = read_results(about.scenes, rankings, branches, anchors)
+        if missing:
+            raise BelvedereError(f"{folder} has no ranking of {', '.join(missing)}")
+        return Record(about, scenes)
     except BelvedereError as error:  # whose remedy is a stage, and no stage makes the record
         fault = str(error).partition(";")[0]
         raise BelvedereError(f"{fault}; `git checkout {folder}` brings it back.") from None
