@@ -43,10 +43,14 @@ def main(
     mdnrnn: Path,
     out: Path,
     curve: Path,
+    first: int = 0,
 ) -> None:
-    """Writes ``out/repeat_{r}.npz`` and the curves of all repeats; ``probes`` are the VAE's metrics."""
+    """Writes ``out/repeat_{r}.npz`` and the curves of all repeats.
+
+    ``probes`` are the VAE's metrics, of which the ``first`` repeats count; without it the budget's.
+    """
     compiled, view = load_scene(scene), viewpoint(scene, theta, phi)
-    sizes = search_sizes(scene, probes)
+    sizes = search_sizes(scene, probes, first or params.first_repeats(scene))
     store = zarrs.Store(latents, zarrs.LATENTS, "latents")
     models = [(vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt") for r in range(store.repeats)]
     results = evolve_repeats(compiled, view, sizes, store, models)

@@ -8,6 +8,7 @@ from typing import Any
 
 import mujoco
 
+from pipeline.contract import params
 from pipeline.contract.machine import cores
 from pipeline.contract.progress import Progress
 from pipeline.contract.source import code_digest
@@ -25,19 +26,28 @@ from pipeline.storage.stage import entry
 
 
 def main(
-    *, branch: str, scene: str, theta: float, phi: float, rollouts: Path, out: Path, picture: Path
+    *,
+    branch: str,
+    scene: str,
+    theta: float,
+    phi: float,
+    rollouts: Path,
+    out: Path,
+    picture: Path,
+    first: int = 0,
 ) -> None:
     """Writes the frames' store (layout :data:`pipeline.storage.zarrs.FRAMES`) and two pictures of the view.
 
     ``rollouts`` is what stage rollouts says of the episodes; their store is the folder of the same name
     beside it. ``picture`` becomes a folder with ``view.png`` (for people) and ``view_64.png`` (64 × 64, as
-    the world model sees it).
+    the world model sees it). ``first``: repeats that the branch has at least; without it the budget's.
     """
     compiled, view = load_scene(scene), viewpoint(scene, theta, phi)
     refuse_hidden_targets(compiled, view)
     store = zarrs.Store(rollouts.with_suffix(""), zarrs.ROLLOUTS, f"rollouts@{scene}")
     studio = Studio(compiled, view)
-    results = [studio.repeat(store, r) for r in range(branch_repeats(branch, scene, theta, phi))]
+    count = branch_repeats(branch, view, first or params.first_repeats(scene))
+    results = [studio.repeat(store, r) for r in range(count)]
     publish_store(out, results)
     with writing(picture) as folder:
         folder.mkdir()

@@ -5,14 +5,12 @@ Set BELVEDERE_MIX=allow to rank branches that were made on different devices or 
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import polars as pl
 
 from pipeline.contract import params
 from pipeline.contract.declared import check_viewpoints
-from pipeline.contract.errors import unknown
 from pipeline.stats import content
 from pipeline.stats.answer import answer
 from pipeline.stats.baselines import compare
@@ -24,12 +22,11 @@ from pipeline.stats.messages import progress, sentence
 from pipeline.stats.params import RankingParams
 from pipeline.stats.race import Rules
 from pipeline.stats.ranks import rank
+from pipeline.stats.reading import mixture_allowed
 from pipeline.stats.replay import replay
 from pipeline.stats.tails import tail
 from pipeline.storage.artefacts import write_json, writing
 from pipeline.storage.stage import entry
-
-MIX_VARIABLE = "BELVEDERE_MIX"  # an environment variable: where a result was made is no parameter
 
 
 def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, table: Path) -> None:
@@ -39,7 +36,7 @@ def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, 
     sizes = params.race(scene)
     rules = Rules(sizes.first, sizes.most, method.tolerance, tail(method.confidence, sizes.most))
     asked = [claim for claim in read_claims(claims) if claim.scene == scene]
-    results = read_results(scene, branches, anchors, sizes.first, params.sight_share(), mix=_mix())
+    results = read_results(scene, branches, anchors, sizes.first, params.sight_share(), mix=mixture_allowed())
     dqn = read_dqn(branches, list(results.branches))
     raced = [results.scores[key] for key in results.seen]
     race = replay(raced, rules) if raced else None
@@ -65,13 +62,6 @@ def main(*, scene: str, branches: Path, anchors: Path, claims: Path, out: Path, 
     print(progress(found))
     if found.kind not in ("open", "cannot see"):
         print(f"{scene}: {sentence(found)}")
-
-
-def _mix() -> bool:
-    word = os.environ.get(MIX_VARIABLE, "")
-    if word not in ("", "allow"):
-        raise unknown(f"environment variable {MIX_VARIABLE}: value", word, ["allow"])
-    return word == "allow"
 
 
 if __name__ == "__main__":

@@ -87,7 +87,7 @@ def jobs(pipeline: Pipeline, branches: Collection[str], place: int) -> list[Job]
         if key(stage) in branches:
             job_of[stage] = key(stage)
         elif key(stage):
-            job_of[stage] = stage
+            job_of[stage] = stage.rpartition(":")[2]  # without its dvc.yaml: it names a log file
     made = [_job(name, job_of, pipeline.waits, place) for name in dict.fromkeys(job_of.values())]
     return _with_something_to_do(made, pipeline.changed)
 

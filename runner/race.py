@@ -7,8 +7,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from pipeline.contract import params
+from pipeline.contract.candidates import FIRST_REPEATS, searched_viewpoints
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.viewpoints import named_viewpoints
+from pipeline.contract.viewpoints import Viewpoint, named_viewpoints
 from pipeline.storage.allocation import (
     ALLOCATION_FILE,
     Allocation,
@@ -23,8 +24,8 @@ from runner.rankings import read_ranking
 def allocate() -> Allocation:
     """The allocation for the parameters as they are, written where it was another.
 
-    Entries that count stay; a branch without one gets as many repeats as its scene; nobody has fewer than the
-    first.
+    Entries that count stay; a branch without one gets as many repeats as its scene, at least the first ones;
+    a candidate of a search gets one.
     """
     budget, seed = params.budget(), params.seed()
     views = named_viewpoints()
@@ -37,21 +38,28 @@ def allocate() -> Allocation:
         scenes |= {name: max(first[name], count) for name, count in former.scenes.items() if name in first}
     entries = {}
     for key, view in views.items():
-        entry = former.branches.get(key) if former else None
-        same = entry and entry.model_dump(exclude={"repeats"}) == view.model_dump()
-        count = entry.repeats if entry and same else scenes[view.scene]
+        count = _counted(former, key, view) or scenes[view.scene]
         entries[key] = Entry(**view.model_dump(), repeats=max(first[view.scene], count))
+    for key, view in searched_viewpoints().items():
+        entries[key] = Entry(**view.model_dump(), repeats=_counted(former, key, view) or FIRST_REPEATS)
     found = Allocation(budget=budget, seed=seed, scenes=scenes, branches=entries)
     if former != found:
         write_allocation(found)
     return found
 
 
+def _counted(former: Allocation | None, key: str, view: Viewpoint) -> int | None:
+    """A branch's repeats by the allocation so far, if that is of the same viewpoint."""
+    entry = former.branches.get(key) if former else None
+    same = entry and entry.model_dump(exclude={"repeats"}) == view.model_dump()
+    return entry.repeats if entry and same else None
+
+
 def soonest_answered(allocation: Allocation) -> list[str]:
     """The scenes, those of fewest trainings first: so the first answer is there soonest."""
-    trainings = Counter[str]()
-    for entry in allocation.branches.values():
-        trainings[entry.scene] += entry.repeats
+    trainings, searched = Counter[str](), searched_viewpoints()
+    for key, entry in allocation.branches.items():
+        trainings[entry.scene] += entry.repeats if key not in searched else 0
     return sorted(allocation.scenes, key=lambda scene: trainings[scene])
 
 
@@ -119,4 +127,4 @@ class Race:
         return jobs(round_, self.branches, self.scenes.index(scene))
 
     def _keys(self, scene: str) -> list[str]:
-        return [key for key, entry in self.allocation.branches.items() if entry.scene == scene]
+        return [key for key in self.branches if self.allocation.branches[key].scene == scene]

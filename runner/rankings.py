@@ -9,22 +9,23 @@ from pydantic import BaseModel, ConfigDict, PositiveInt
 from pipeline.storage.tables import read_model
 
 RANKINGS = Path("reports/rankings")
+SEARCHES = Path("reports/searches")
 
 
-class _Part(BaseModel):
+class Part(BaseModel):
     """A part of the JSON; entries that `./run` does not need are ignored."""
 
     model_config = ConfigDict(frozen=True, extra="ignore")
 
 
-class Answer(_Part):
+class Answer(Part):
     """The answer in words: ``sentence``, and ``progress``, a line while the race is on."""
 
     sentence: str
     progress: str
 
 
-class Race(_Part):
+class Race(Part):
     """How a race stands: whether it is ``open``, repeats that all in it have, and who is in it."""
 
     open: bool
@@ -32,7 +33,7 @@ class Race(_Part):
     active: list[str]
 
 
-class Ranking(_Part):
+class Ranking(Part):
     """A scene's ranking. ``most``: repeats that a view may have."""
 
     answer: Answer

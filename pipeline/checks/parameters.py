@@ -11,6 +11,7 @@ from pipeline.contract import params
 from pipeline.contract.errors import unknown
 from pipeline.contract.viewpoints import NAME, named_viewpoints
 from pipeline.control.params import ControllerParams, EvaluationSizes, SearchSizes
+from pipeline.placement.params import PlacementParams
 from pipeline.qlearning.params import DqnParams, DqnSizes
 from pipeline.scripted.params import OperatorParams
 from pipeline.sim.params import ExplorationParams, RolloutSizes, SceneParams
@@ -18,7 +19,7 @@ from pipeline.sim.robot_files import robot_file
 from pipeline.sim.robot_params import RobotParams, robot_params
 from pipeline.sim.robots import build_robot
 from pipeline.station.params import station_params
-from pipeline.stats.params import RankingParams
+from pipeline.stats.params import HalvingParams, RankingParams
 from pipeline.storage.stage import entry
 from pipeline.study.params import PeopleParams
 from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes, VaeParams, VaeSizes
@@ -53,6 +54,7 @@ OTHERS = (
     "sight_share",
     "robots",
     "scenes",
+    "searches",
     "station",
 )
 
@@ -78,6 +80,7 @@ def check(path: Path = params.PARAMS_FILE) -> None:
     for name, model in METHODS.items():
         _section(model, (name,), scenes, path)
     station_params(path)
+    _searches(scenes, path)
     for scene in params.section(DqnParams, "dqn", path=path).scenes:
         if scene not in scenes:
             raise unknown(f"{path}: scene below dqn.scenes", scene, scenes)
@@ -93,6 +96,16 @@ def _scenes(path: Path) -> dict[str, SceneParams]:
         found[name] = params.section(SceneParams, "scenes", name, path=path)
         robot_params(found[name].robot, path)
     return found
+
+
+def _searches(scenes: dict[str, SceneParams], path: Path) -> None:
+    for scene in params.mapping("searches", path=path):
+        if scene not in scenes:
+            raise unknown(f"{path}: scene below searches", scene, scenes)
+        where = ("searches", scene)
+        _known(params.mapping(*where, path=path), {"placement", "procedure"}, f"below searches.{scene}", path)
+        params.section(PlacementParams, *where, "placement", path=path)
+        params.section(HalvingParams, *where, "procedure", path=path)
 
 
 def _robots(path: Path) -> None:

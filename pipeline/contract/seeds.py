@@ -24,6 +24,7 @@ class Stream(IntEnum):
     BLIND = 8
     DQN = 9
     DQN_EPISODES = 10
+    CANDIDATES = 11
 
 
 def sequence(seed: int, repeat: int, stream: Stream) -> np.random.SeedSequence:

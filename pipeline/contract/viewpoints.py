@@ -31,6 +31,11 @@ class Viewpoint(params.Section):
     phi: Annotated[float, Field(gt=-90, lt=90)]
 
     @property
+    def direction(self) -> tuple[float, float]:
+        """θ and φ, degrees."""
+        return self.theta, self.phi
+
+    @property
     def place(self) -> tuple[str, float, float]:
         """What is the same for the same picture: a full turn of θ changes nothing."""
         return self.scene, self.theta % 360, self.phi

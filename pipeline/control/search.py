@@ -23,10 +23,13 @@ from pipeline.storage.sight import read_sight
 from pipeline.worldmodel.mdnrnn import MdnRnn
 
 
-def search_sizes(scene: str, probes: Path) -> SearchSizes:
-    """The budget's sizes, with one generation where the latent does not tell tip - target (``probes``)."""
+def search_sizes(scene: str, probes: Path, first: int) -> SearchSizes:
+    """The budget's sizes, with one generation where the latent does not tell tip - target.
+
+    ``probes`` are the VAE's metrics, of which the first repeats count.
+    """
     sizes = params.budget_section(SearchSizes, "controller", scene)
-    sight = read_sight(probes, probes.parent.name, params.first_repeats(scene), params.sight_share())
+    sight = read_sight(probes, probes.parent.name, first, params.sight_share())
     return sizes.model_copy(update={"generations": 1}) if sight.misses else sizes
 
 

@@ -32,6 +32,7 @@ class Answer:
         lead, lead_high: by how much it is ahead of the next, and the most it may be; both views' scores.
         forecast: about how many more trainings bring U to the tolerance.
         sure: whether the confidence may be stated: not where a training failed and few are there.
+        noun: what is compared: views, or a search's finalists.
     """
 
     scene: str
@@ -46,6 +47,7 @@ class Answer:
     lead_high: float | None
     forecast: int | None
     sure: bool
+    noun: str = "view"
 
     def of(self, *states: str) -> list[Ranked]:
         """The views in these states, best first."""
@@ -60,7 +62,12 @@ class Answer:
 
 
 def answer(
-    scene: str, race: Race | None, rows: list[Ranked], confidence: float, race_scores: Sequence[np.ndarray]
+    scene: str,
+    race: Race | None,
+    rows: list[Ranked],
+    confidence: float,
+    race_scores: Sequence[np.ndarray],
+    noun: str = "view",
 ) -> Answer:
     """The answer of a scene.
 
@@ -70,6 +77,7 @@ def answer(
         rows: the table of all views.
         confidence: of the race.
         race_scores: of each view in the race (repeat,) its scores.
+        noun: what is compared.
     """
     if race is None:
         return Answer(scene, "cannot see", confidence, 0.0, 0, 0, rows, None, None, None, None, False)
@@ -86,6 +94,7 @@ def answer(
         *race.lead(),
         forecast=race.forecast() if kind in ("open", "ended") else None,
         sure=at >= SURE_FROM or not any((own[:at] <= 0).any() for own in race_scores),
+        noun=noun,
     )
 
 

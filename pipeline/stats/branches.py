@@ -129,8 +129,8 @@ def read_results(
             or the branches were made differently.
     """
     branches, duplicates = scene_branches(scene, path)
-    read = {key: _read_branch(folder / key / "evaluation.json", key, branches[key]) for key in branches}
-    levels, anchors_with = _read_anchors(anchors, scene, first)
+    read = {key: read_branch(folder / key / "evaluation.json", key, branches[key]) for key in branches}
+    levels, anchors_with = read_anchors(anchors, scene, first)
     returns = {key: values for key, (values, _) in read.items()}
     made = {key: found for key, (_, found) in read.items()}
     _check_repeats(returns, first)
@@ -141,7 +141,7 @@ def read_results(
     return Results(branches, duplicates, returns, sight, dict(zip(ANCHORS, levels.T, strict=True)), made)
 
 
-def _read_branch(file: Path, key: str, branch: Viewpoint) -> tuple[np.ndarray, dict[str, Any]]:
+def read_branch(file: Path, key: str, branch: Viewpoint) -> tuple[np.ndarray, dict[str, Any]]:
     made_by = f"evaluation@{key}"
     content = read_json(file, made_by)
     meant = (branch.scene, branch.theta, branch.phi)
@@ -152,7 +152,7 @@ def _read_branch(file: Path, key: str, branch: Viewpoint) -> tuple[np.ndarray, d
     return by_repeat(file, content, ("return",), made_by)[:, 0], provenance(file, content, made_by)
 
 
-def _read_anchors(file: Path, scene: str, first: int) -> tuple[np.ndarray, dict[str, Any]]:
+def read_anchors(file: Path, scene: str, first: int) -> tuple[np.ndarray, dict[str, Any]]:
     """(repeat, anchor) returns, and what they were made with."""
     made_by = f"anchors@{scene}"
     content = read_json(file, made_by)

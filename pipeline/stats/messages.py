@@ -54,7 +54,7 @@ def _alone(found: Answer) -> str:
     if len(raced) == 1:
         where = "from which this judge sees the task" if found.of(UNSEEING) else f"of {found.scene}"
         return f"Put the camera at {_place(leader)}: {_name(found, leader)} is the only view {where}."
-    best = f"{_name(found, leader)} is the best of the {len(raced)} views{_level(found)}."
+    best = f"{_name(found, leader)} is the best of the {len(raced)} {found.noun}s{_level(found)}."
     lead = f"It leads by {found.lead:.2f}, at most {_up(found.lead_high)}."
     return f"Put the camera at {_place(leader)}: {best} {lead}"
 
@@ -67,7 +67,7 @@ def _either(found: Answer) -> str:
 
 def _nearest(found: Answer) -> str:
     (leader,) = found.of(LEADER)
-    best = f"is the best view or within {_up(found.within)} of the best{_level(found)}"
+    best = f"is the best {found.noun} or within {_up(found.within)} of the best{_level(found)}"
     start = "So far, put the camera at" if found.kind == "open" else "Put the camera at"
     return f"{start} {_place(leader)}: {_name(found, leader)} {best}."
 

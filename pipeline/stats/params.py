@@ -27,3 +27,16 @@ class RankingParams(Section):
         if confidence not in TAILS:
             raise ValueError(f"the error of a race is known for {', '.join(map(str, TAILS))} only")
         return confidence
+
+
+class HalvingParams(Section):
+    """Section ``searches.SCENE.procedure``.
+
+    Attributes:
+        finalists: how many views are raced in the end.
+        most_trainings: after which a search ends with the tolerance that was reached; ``None``: only when the
+            finalists have the budget's most repeats.
+    """
+
+    finalists: int = Field(ge=2, le=20)
+    most_trainings: int | None = Field(ge=1)

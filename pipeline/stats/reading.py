@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from pipeline.contract.errors import BelvedereError
+from pipeline.contract.errors import BelvedereError, unknown
 
 # Threads, processor and Python leave results alone (batches are bit-identical at any thread count);
 # these do not. The anchors have no network and no pictures, so only the physics has to agree.
 COMPARED = ("device", "gpu", "dtype", "torch", "mujoco", "mujoco_warp")
 COMPARED_WITH_ANCHORS = ("mujoco",)
 CHOSEN = ("device", "dtype")  # by the environment variables of these names
+MIX_VARIABLE = "BELVEDERE_MIX"  # an environment variable: where a result was made is no parameter
 
 
 def by_repeat(file: Path, content: Mapping[str, Any], names: tuple[str, ...], made_by: str) -> np.ndarray:
@@ -84,6 +86,18 @@ def check_made_alike(scene: str, made: Mapping[str, Mapping[str, Any]], names: t
                     f"{here.get(name)!r} for {first}; rerun one of them as the other was made "
                     f"(`{by}dvc repro`), or set BELVEDERE_MIX=allow to rank them nevertheless."
                 )
+
+
+def mixture_allowed() -> bool:
+    """Whether results may be compared that were made on different devices or versions.
+
+    Raises:
+        BelvedereError: the environment variable has another value than ``allow``.
+    """
+    word = os.environ.get(MIX_VARIABLE, "")
+    if word not in ("", "allow"):
+        raise unknown(f"environment variable {MIX_VARIABLE}: value", word, ["allow"])
+    return word == "allow"
 
 
 def foreign(file: Path, why: str, made_by: str) -> BelvedereError:

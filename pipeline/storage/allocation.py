@@ -54,13 +54,13 @@ def scene_repeats(scene: str, path: Path = ALLOCATION_FILE) -> int:
     return max(params.first_repeats(scene), found.scenes.get(scene, 1) if found else 1)
 
 
-def branch_repeats(branch: str, scene: str, theta: float, phi: float, path: Path = ALLOCATION_FILE) -> int:
-    """How many repeats a branch has; with another viewpoint (angles in degrees) as many as its scene."""
+def branch_repeats(branch: str, view: Viewpoint, first: int, path: Path = ALLOCATION_FILE) -> int:
+    """How many repeats a branch has, ``first`` at least; with another viewpoint as many as its scene."""
     found = _current(path)
     entry = found.branches.get(branch) if found else None
-    if entry and (entry.scene, entry.theta, entry.phi) == (scene, theta, phi):
-        return max(params.first_repeats(scene), entry.repeats)
-    return scene_repeats(scene, path)
+    if entry and entry.model_dump(exclude={"repeats"}) == view.model_dump():
+        return max(first, entry.repeats)
+    return scene_repeats(view.scene, path)
 
 
 def read_allocation(path: Path = ALLOCATION_FILE) -> Allocation:

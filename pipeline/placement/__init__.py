@@ -1,0 +1,1 @@
+"""Where candidates of a search stand on the sphere about a scene, and which geometry rules out."""

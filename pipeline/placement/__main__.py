@@ -1,0 +1,94 @@
+"""`python -m pipeline.placement --scene NAME`: places the candidates of a scene's search, and says where not.
+
+`./run search NAME` begins with it. Candidates that are there already stay, as long as they are allowed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from pipeline.contract import params, seeds
+from pipeline.contract.candidates import CANDIDATES_FILE, Placed, RuledOut, read_placed
+from pipeline.contract.errors import BelvedereError, unknown
+from pipeline.contract.seeds import Stream
+from pipeline.contract.viewpoints import Viewpoint
+from pipeline.placement.params import PlacementParams
+from pipeline.placement.screening import Screen
+from pipeline.placement.sphere import Direction, allowed_places, spread
+from pipeline.sim.scene import load_scene
+from pipeline.storage.artefacts import writing
+from pipeline.storage.stage import entry
+
+_HEAD = """\
+# The candidates of searches, which `./run search SCENE` places as `searches` in params.yaml says, and the
+# places that geometry rules out. DVC makes a branch of each candidate (search/dvc.yaml).
+"""
+
+
+def main(*, scene: str, out: Path = CANDIDATES_FILE) -> None:
+    """Writes ``out`` with the scene's candidates; other scenes' stay as they are."""
+    searches = params.mapping("searches")
+    if scene not in searches:
+        raise unknown("scene below searches in params.yaml", scene, searches)
+    where = params.section(PlacementParams, "searches", scene, "placement")
+    former = read_placed(out)
+    placed = place(scene, where, former)
+    if placed != former:
+        write(placed, out)
+    taken = [key for key, view in placed.candidates.items() if view.scene == scene]
+    print(f"{scene}: {len(taken)} candidates, {len(placed.ruled_out[scene])} places ruled out by geometry")
+
+
+def place(scene: str, where: PlacementParams, former: Placed) -> Placed:
+    """The candidates as declared: those of before that are still allowed, under their names, and new ones.
+
+    Raises:
+        BelvedereError: fewer than two places are allowed.
+    """
+    screen = Screen(load_scene(scene), where)
+    rng = seeds.generator(params.seed(), 0, Stream.CANDIDATES)
+    before = {key: view for key, view in former.candidates.items() if view.scene == scene}
+    kept = {key: view for key, view in before.items() if screen.within(view) and screen.fault(view) is None}
+    found = allowed_places(where, where.candidates, screen.allowed, rng)
+    named = _named(scene, dict(list(kept.items())[: where.candidates]), found, where.candidates)
+    if len(named) < 2:
+        reasons = sorted(set(screen.faults.values()))
+        raise BelvedereError(
+            f"{scene}: geometry leaves {len(named)} place(s) for a camera ({'; '.join(reasons)}); widen "
+            f"searches.{scene}.placement in params.yaml."
+        )
+    others = {key: view for key, view in former.candidates.items() if view.scene != scene}
+    out = tuple(RuledOut(theta=t, phi=p, why=why) for (t, p), why in sorted(screen.faults.items()))
+    return Placed(candidates={**others, **named}, ruled_out={**former.ruled_out, scene: out})
+
+
+def _named(
+    scene: str, kept: dict[str, Viewpoint], places: Sequence[Direction], count: int
+) -> dict[str, Viewpoint]:
+    """``kept`` and new ones up to ``count``, which take the lowest numbers that are free."""
+    directions = [(round(view.theta), round(view.phi)) for view in kept.values()]
+    added = spread(directions, places, count)[len(directions) :]
+    numbers = (n for n in range(1, 10_000) if f"{scene}-c{n:02}" not in kept)
+    fresh = {
+        f"{scene}-c{number:02}": Viewpoint(scene=scene, theta=theta, phi=phi)
+        for number, (theta, phi) in zip(numbers, added, strict=False)
+    }
+    return {**kept, **fresh}
+
+
+def write(placed: Placed, path: Path) -> None:
+    """Writes the file whole, whole degrees as whole numbers."""
+    tree = placed.model_dump(mode="json")
+    for one in [*tree["candidates"].values(), *(r for rows in tree["ruled_out"].values() for r in rows)]:
+        one |= {name: int(np.rint(one[name])) for name in ("theta", "phi")}
+    text = yaml.safe_dump(tree, sort_keys=False, default_flow_style=None, width=110)
+    with writing(path) as aside:
+        aside.write_text(_HEAD + text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    entry(main)

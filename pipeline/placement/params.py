@@ -1,0 +1,52 @@
+"""What params.yaml says of where a search may place cameras."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from pipeline.contract.params import Section
+from pipeline.sim.params import Box
+
+Pan = Annotated[float, Field(ge=-360, le=360)]
+Tilt = Annotated[float, Field(gt=-90, lt=90)]
+MOST_CANDIDATES = 500
+
+
+class Forbidden(Box):
+    """A box in which no camera stands and through which none looks: a wall, a rack, a person's place."""
+
+    name: Annotated[str, Field(min_length=1, max_length=40)]
+
+
+class PlacementParams(Section):
+    """Section ``searches.SCENE.placement``.
+
+    Attributes:
+        candidates: how many are placed, after those that geometry rules out.
+        by: ``lattice`` (Fibonacci's, the same area for each), ``grid`` (of pan and tilt) or ``random``.
+        theta_deg: lowest and highest pan; 360 apart is all around.
+        phi_deg: lowest and highest tilt above the horizon.
+        forbidden: boxes, world frame, m.
+    """
+
+    candidates: Annotated[int, Field(ge=2, le=MOST_CANDIDATES)]
+    by: Literal["lattice", "grid", "random"]
+    theta_deg: tuple[Pan, Pan]
+    phi_deg: tuple[Tilt, Tilt]
+    forbidden: tuple[Forbidden, ...]
+
+    @model_validator(mode="after")
+    def _ordered(self) -> PlacementParams:
+        for name, (low, high) in (("theta_deg", self.theta_deg), ("phi_deg", self.phi_deg)):
+            if low > high:
+                raise ValueError(f"{name}: {low:g} must not be above {high:g}")
+        if self.theta_deg[1] - self.theta_deg[0] > 360:
+            raise ValueError("theta_deg: more than 360 degrees would place cameras twice")
+        return self
+
+    @property
+    def all_around(self) -> bool:
+        """Whether the lowest and the highest pan are the same direction."""
+        return self.theta_deg[1] - self.theta_deg[0] == 360
