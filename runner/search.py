@@ -131,7 +131,8 @@ def main(argv: Sequence[str]) -> int:
     """Runs the command and returns the exit status."""
     asked = _parser().parse_args(argv)
     check_parameters()
-    check_lock(), check_lock(SEARCH_LOCK)
+    check_lock()
+    check_lock(SEARCH_LOCK)
     searches = params.mapping("searches")
     if asked.scene not in searches:
         raise unknown("scene below searches in params.yaml", asked.scene, searches)
