@@ -25,7 +25,7 @@ from runner.lock import check_lock
 from runner.parameters import check_parameters
 from runner.plan import Job, Pipeline, jobs, read_pipeline
 from runner.race import allocate
-from runner.rankings import SEARCHES, Answer, Part
+from runner.rankings import SEARCHES, Part
 from runner.rwlock import drop_damaged_rwlock
 from runner.schedule import DVC, Schedule
 
@@ -33,10 +33,16 @@ SEARCH_LOCK = Path("search/dvc.lock")
 PLACE = (sys.executable, "-m", "pipeline.placement")
 
 
+class Sentence(Part):
+    """An answer in words."""
+
+    sentence: str
+
+
 class Found(Part):
     """What stage `search` wrote: whether the search is open, and which repeats it lacks."""
 
-    answer: Answer | None
+    answer: Sentence | None
     progress: str
     open: bool
     needed: dict[str, PositiveInt]
