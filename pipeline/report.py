@@ -12,6 +12,7 @@ from pipeline.reporting.people_tables import read_people
 from pipeline.reporting.provenance import revision
 from pipeline.reporting.record import read_record
 from pipeline.reporting.results import read_coverage, read_results
+from pipeline.reporting.searches import read_searches
 from pipeline.reporting.tried import of_these_parameters, read_tried, tried_scenes
 from pipeline.storage.artefacts import writing
 from pipeline.storage.stage import entry
@@ -27,6 +28,7 @@ def main(
     coverage: Path,
     tried: Path,
     record: Path,
+    searches: Path,
     pictures: Path,
     out: Path,
     tables: Path,
@@ -41,6 +43,7 @@ def main(
         points: folder of people's own values, which the plots draw.
         coverage: how often simulated races ended with a false statement.
         tried: viewpoints that experiments tried, one row per repeat.
+        searches: folder of searches over the sphere.
         record: folder of a run whose controllers were searched for from zero.
         pictures: folder of the branches' pictures; those that are absent are named on the page.
         out: the HTML file.
@@ -49,7 +52,9 @@ def main(
     scenes, missing = read_results(list(params.value("scenes")), rankings, branches, anchors)
     found = tried_scenes(of_these_parameters(read_tried(tried), tried), scenes)
     people_results = read_people(people, points)
-    reference = Reference(people_results, read_coverage(coverage), found, read_record(record))
+    reference = Reference(
+        people_results, read_coverage(coverage), found, read_record(record), read_searches(searches)
+    )
     start = str(params.value("controller", "first"))
     made = Made(revision(), _parameters(), _random_frames(), start)
     page = render(scenes, missing, reference, pictures, made)

@@ -16,6 +16,7 @@ from pipeline.reporting.page import Reference
 from pipeline.reporting.people_tables import Change, PeopleLearning
 from pipeline.reporting.people_tests import NextStudy, SignedRanks, Tested, TTest
 from pipeline.reporting.results import SceneResults
+from pipeline.reporting.search_tables import Search
 from pipeline.reporting.tables import Table
 from pipeline.stats.tried import Tried
 from pipeline.storage.artefacts import writing
@@ -45,6 +46,8 @@ def tables(scenes: Sequence[SceneResults], reference: Reference) -> dict[str, li
         "people_implied": [row.model_dump() for row in reference.people.found.published],
         "operator": [row for scene in scenes for row in _operator(scene)],
         "tried": [_tried(row) for scene in reference.tried for row in scene.rows],
+        "search_candidates": [row for search, _ in reference.searches for row in _candidates(search)],
+        "search_finalists": [row for search, _ in reference.searches for row in _finalists(search)],
         "agreements": [agreement.model_dump() for agreement in reference.people.found.agreements],
         "learning_from_zero": [row for scene in recorded for row in _learning(scene)],
         "claims_from_zero": [claim.model_dump() for scene in recorded for claim in scene.ranking.claims],
@@ -99,6 +102,17 @@ def _operator(scene: SceneResults) -> Iterator[Row]:
 def _tried(row: Tried) -> Row:
     numbers = asdict(row)
     return {**numbers.pop("spot"), **numbers}
+
+
+def _candidates(search: Search) -> Iterator[Row]:
+    for key, row in search.candidates.items():
+        yield {"scene": search.scene, "candidate": key, **row.model_dump()}
+
+
+def _finalists(search: Search) -> Iterator[Row]:
+    for row in search.viewpoints:
+        numbers = row.model_dump()
+        yield {"scene": search.scene, **numbers} | {n: " ".join(numbers[n]) for n in ("misses", "duplicates")}
 
 
 def _ranking(scene: SceneResults) -> Iterator[Row]:

@@ -141,14 +141,21 @@ def read_results(
     return Results(branches, duplicates, returns, sight, dict(zip(ANCHORS, levels.T, strict=True)), made)
 
 
-def read_branch(file: Path, key: str, branch: Viewpoint) -> tuple[np.ndarray, dict[str, Any]]:
-    made_by = f"evaluation@{key}"
+def read_branch(
+    file: Path, key: str, branch: Viewpoint, pipeline: str = ""
+) -> tuple[np.ndarray, dict[str, Any]]:
+    """A branch's mean returns (repeat,) and what they were made with.
+
+    ``pipeline`` is what DVC's names of its stages begin with, where the root's dvc.yaml has them not.
+    """
+    made_by = f"{pipeline}evaluation@{key}"
     content = read_json(file, made_by)
     meant = (branch.scene, branch.theta, branch.phi)
     check_viewpoint(file, content, meant, made_by)
     for stage in _BESIDE:
         if (other := file.with_name(f"{stage}.json")).is_file():
-            check_viewpoint(other, read_json(other, f"{stage}@{key}"), meant, f"{stage}@{key}")
+            beside = f"{pipeline}{stage}@{key}"
+            check_viewpoint(other, read_json(other, beside), meant, beside)
     return by_repeat(file, content, ("return",), made_by)[:, 0], provenance(file, content, made_by)
 
 

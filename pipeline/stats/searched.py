@@ -17,6 +17,8 @@ from pipeline.stats.reading import COMPARED, COMPARED_WITH_ANCHORS, check_made_a
 from pipeline.stats.replay import Race
 from pipeline.storage.sight import Sight, read_sight
 
+PIPELINE = "search/dvc.yaml:"
+
 
 @dataclass(frozen=True)
 class Searched:
@@ -98,7 +100,7 @@ def read_searched(
         BelvedereError: a file is foreign, an expert is not above blind, or candidates were made differently.
     """
     tried = [key for key in views if (folder / key / "evaluation.json").is_file()]
-    read = {key: read_branch(folder / key / "evaluation.json", key, views[key]) for key in tried}
+    read = {key: read_branch(folder / key / "evaluation.json", key, views[key], PIPELINE) for key in tried}
     levels, anchors_with = read_anchors(anchors, scene, first)
     made = {key: found for key, (_, found) in read.items()}
     if made and not mix:
