@@ -56,7 +56,7 @@ def main(
         people_results, read_coverage(coverage), found, read_record(record), read_searches(searches)
     )
     start = str(params.value("controller", "first"))
-    made = Made(revision(), _parameters(), _random_frames(), start)
+    made = Made(revision(), _parameters(), _random_frames(), start, searches)
     page = render(scenes, missing, reference, pictures, made)
     exports.write(tables, exports.tables(scenes, reference))
     with writing(out) as aside:

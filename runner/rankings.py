@@ -9,7 +9,6 @@ from pydantic import BaseModel, ConfigDict, PositiveInt
 from pipeline.storage.tables import read_model
 
 RANKINGS = Path("reports/rankings")
-SEARCHES = Path("reports/searches")
 
 
 class Part(BaseModel):

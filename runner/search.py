@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -19,16 +20,19 @@ from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.machine import CORES_VARIABLE, cores
 from pipeline.storage import scratch
 from pipeline.storage.allocation import ALLOCATION_FILE, Allocation, write_allocation
+from pipeline.storage.artefacts import writing
 from pipeline.storage.tables import read_model
 from runner.dvc import read_faster
 from runner.lock import check_lock
 from runner.parameters import check_parameters
 from runner.plan import Job, Pipeline, jobs, read_pipeline
 from runner.race import allocate
-from runner.rankings import SEARCHES, Part
+from runner.rankings import Part
 from runner.rwlock import drop_damaged_rwlock
 from runner.schedule import DVC, Schedule
 
+FOUND, PICTURES, PUBLISHED = Path("search/found"), Path("search/pictures"), Path("reports/searches")
+COPIES = {".json": "search.json", ".csv": "candidates.csv", "_map.csv": "map.csv"}  # of a scene's results
 SEARCH_LOCK = Path("search/dvc.lock")
 PLACE = (sys.executable, "-m", "pipeline.placement")
 
@@ -62,7 +66,7 @@ def read_found(scene: str) -> Found:
     Raises:
         BelvedereError: it is missing, or is no search's.
     """
-    return read_model(Found, SEARCHES / f"{scene}.json", stage(scene))
+    return read_model(Found, FOUND / f"{scene}.json", stage(scene))
 
 
 @dataclass
@@ -145,6 +149,7 @@ def main(argv: Sequence[str]) -> int:
     if subprocess.run([*PLACE, "--scene", asked.scene]).returncode:
         return 1
     search(asked.scene, asked.hours)
+    publish(asked.scene)
     return report()
 
 
@@ -174,9 +179,24 @@ def search(scene: str, hours: float | None) -> None:
         print(f"{scene}: {found.answer.sentence}")
 
 
+def publish(scene: str) -> None:
+    """Copies what was found to where the report reads it, whole.
+
+    The report depends on copies, so that no `./run` and no `dvc repro` trains a candidate.
+    """
+    with writing(PUBLISHED / scene) as folder:
+        (folder / "pictures").mkdir(parents=True)
+        for name, published in COPIES.items():
+            shutil.copyfile(FOUND / f"{scene}{name}", folder / published)
+        for key in read_found(scene).finalists:
+            picture = PICTURES / key / "view" / "view.png"
+            if picture.is_file():
+                shutil.copyfile(picture, folder / "pictures" / f"{key}.png")
+
+
 def report() -> int:
-    """Makes the page of what there is, and nothing else."""
-    return subprocess.run([*DVC, "repro", "--single-item", "report"]).returncode
+    """Makes the page of what there is; a scene that was never ranked is named on it."""
+    return subprocess.run([*DVC, "repro", "--single-item", "trials", "people", "report"]).returncode
 
 
 def _parser() -> argparse.ArgumentParser:

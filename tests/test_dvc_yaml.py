@@ -21,7 +21,10 @@ from pipeline.storage.stage import parser
 from tests.source import params_read_by
 
 PARAMS: dict[str, Any] = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
-STAGES: dict[str, Any] = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
+ROOT_STAGES: dict[str, Any] = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
+SEARCH: dict[str, Any] = yaml.safe_load((ROOT / "search/dvc.yaml").read_text(encoding="utf-8"))
+STAGES = {**ROOT_STAGES, "search": SEARCH["stages"]["search"]}
+OF_CANDIDATES = sorted(SEARCH["stages"].keys() - {"search"})
 PER_SCENE = ("ranking", "scene", "rollouts", "anchors")
 ONCE = ("report", "people", "trials")
 SCENE_FILES = {"data/scenes/${key}.json", "data/scenes/${item.scene}.json"}  # deps that need no flag
@@ -159,7 +162,7 @@ def test_params_that_are_listed_are_read(stage: str) -> None:
 @pytest.mark.parametrize("budget", PARAMS["budgets"])
 def test_params_that_are_listed_exist_in_every_budget_and_scene(stage: str, budget: str) -> None:
     for key in listed(stage):
-        for scene in PARAMS["scenes"]:
+        for scene in PARAMS["searches" if stage == "search" else "scenes"]:
             node: Any = PARAMS
             for part in key.replace("${budget}", budget).replace("*", scene).split("."):
                 assert part in node, f"{key}: {part} is not in params.yaml"
@@ -178,7 +181,8 @@ def test_a_branch_depends_on_its_own_number_of_repeats_and_episodes_on_their_sce
 
 def test_every_branch_and_scene_has_a_number_of_repeats() -> None:
     allocation = yaml.safe_load((ROOT / "data/allocation.yaml").read_text(encoding="utf-8"))
-    assert set(allocation["branches"]) == {"study", *PARAMS["viewpoints"]}
+    candidates = yaml.safe_load((ROOT / "search/candidates.yaml").read_text(encoding="utf-8"))["candidates"]
+    assert set(allocation["branches"]) == {"study", *PARAMS["viewpoints"], *candidates}
     assert set(allocation["scenes"]) == set(PARAMS["scenes"])
 
 
@@ -192,10 +196,50 @@ def test_a_scene_of_the_parameters_needs_no_line_here(stage: str) -> None:
     assert STAGES[stage]["foreach"] == "${scenes}"
 
 
-@pytest.mark.parametrize("stage", sorted(set(STAGES) - {*PER_SCENE, *ONCE}))
+@pytest.mark.parametrize("stage", sorted(set(ROOT_STAGES) - {*PER_SCENE, *ONCE}))
 def test_branches_agree_and_study_is_first(stage: str) -> None:
     branches = {"study": "${viewpoint}"} | {key: f"${{viewpoints.{key}}}" for key in PARAMS["viewpoints"]}
     assert list(STAGES[stage]["foreach"].items()) == list(branches.items())
+
+
+@pytest.mark.parametrize("stage", OF_CANDIDATES)
+def test_a_candidate_s_stages_are_those_of_a_branch(stage: str) -> None:
+    """But for the folders of metrics and pictures, and that one repeat suffices at first."""
+    text = yaml.safe_dump(ROOT_STAGES[stage]["do"])
+    for part in ("branches", "pictures"):
+        text = text.replace(f"reports/{part}", f"search/{part}")
+    expected = yaml.safe_load(text)
+    found = dict(SEARCH["stages"][stage]["do"])
+    assert SEARCH["stages"][stage]["foreach"] == "${candidates}" and found.pop("wdir") == ".."
+    assert ("first" in flags(stage)) is False
+    found["cmd"] = found["cmd"].replace(" --first 1", "")
+    assert found == expected
+
+
+def test_candidates_go_through_all_that_a_search_looks_at() -> None:
+    assert OF_CANDIDATES == ["controller", "evaluation", "frames", "latents", "mdnrnn", "vae"]
+    given = {s for s in OF_CANDIDATES if " --first 1" in SEARCH["stages"][s]["do"]["cmd"]}
+    assert given == {"controller", "frames"}
+    assert SEARCH["vars"] == ["../params.yaml", "candidates.yaml"]
+    assert STAGES["search"]["foreach"] == "${searches}"
+
+
+def test_a_search_waits_for_its_candidates_and_anchors_only() -> None:
+    candidates = yaml.safe_load((ROOT / "search/candidates.yaml").read_text(encoding="utf-8"))["candidates"]
+    for scene in PARAMS["searches"]:
+        awaited = {
+            f"search/dvc.yaml:{stage}@{key}"
+            for key, view in candidates.items()
+            for stage in ("vae", "mdnrnn", "controller", "evaluation")
+            if view["scene"] == scene
+        }
+        assert graph()[f"search/dvc.yaml:search@{scene}"] == awaited | {f"anchors@{scene}"}
+
+
+def test_no_stage_of_a_run_waits_for_a_candidate() -> None:
+    for stage, awaited in graph().items():
+        if not stage.startswith("search/"):
+            assert not any(name.startswith("search/") for name in awaited), stage
 
 
 def test_viewpoints_name_scenes_and_their_keys_say_which() -> None:
@@ -208,7 +252,7 @@ def test_what_goes_into_git_is_not_cached_and_all_else_is() -> None:
     for stage in STAGES:
         for entry in [*form(stage).get("metrics", []), *form(stage).get("plots", [])]:
             ((path, options),) = entry.items()
-            assert options["cache"] is False and path.startswith("reports/")
+            assert options["cache"] is False and path.startswith(("reports/", "search/found/"))
         assert all(isinstance(out, str) for out in form(stage).get("outs", []))
 
 

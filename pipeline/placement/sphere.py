@@ -33,10 +33,9 @@ def grid(where: PlacementParams, count: int) -> list[Direction]:
     Edges are taken, but for the last pan where the range goes all around.
     """
     wide, high = (b - a for a, b in (where.theta_deg, where.phi_deg))
+    rows = count if high else 1
     if wide and high:
         rows = max(1, round((count * high / wide) ** 0.5))
-    else:
-        rows = count if high else 1
     columns = -(-count // rows)
     pans = np.linspace(*where.theta_deg, columns, endpoint=not where.all_around)
     tilts = np.linspace(*where.phi_deg, rows) if rows > 1 else [sum(where.phi_deg) / 2]

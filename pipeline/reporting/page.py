@@ -83,12 +83,14 @@ class Made:
         parameters: what to name under "parameters"; ``budget`` among them.
         random_frames: of each scene, how many a world model saw before its controller.
         start: where a controller's search starts, see ``controller.first`` in params.yaml.
+        searches: folder of searches over the sphere, with their pictures.
     """
 
     revision: str
     parameters: dict[str, Any]
     random_frames: dict[str, int]
     start: str
+    searches: Path
 
 
 def render(
@@ -112,7 +114,7 @@ def render(
             people=people_page(reference.people),
             coverage=reference.coverage,
             tried=reference.tried,
-            searches=search_pages(reference.searches, reference.tried, pictures),
+            searches=search_pages(reference.searches, reference.tried, made.searches),
             record=reference.record,
             **_record(reference.record),
             missing=missing,

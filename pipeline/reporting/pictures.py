@@ -58,6 +58,15 @@ def read_pictures(folder: Path, key: str) -> Pictures:
     )
 
 
+def read_thumbnail(path: Path, made_by: str) -> Picture | None:
+    """A small version of a picture of a view; ``None`` where it is not on this machine.
+
+    Raises:
+        BelvedereError: the file is no picture.
+    """
+    return _shrunk(path, THUMBNAIL_WIDTH, made_by)
+
+
 def _open(path: Path, made_by: str) -> Image.Image | None:
     if not path.is_file():
         return None

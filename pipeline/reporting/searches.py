@@ -10,7 +10,7 @@ import polars as pl
 from markupsafe import Markup
 
 from pipeline.reporting.csv_frames import read_frame
-from pipeline.reporting.pictures import Pictures, read_pictures
+from pipeline.reporting.pictures import Picture, read_thumbnail
 from pipeline.reporting.search_tables import Search
 from pipeline.reporting.sphere import sphere_plot
 from pipeline.reporting.tried import TriedScene
@@ -25,7 +25,7 @@ class SearchPage:
 
     found: Search
     map: Markup
-    pictures: dict[str, Pictures]
+    thumbnails: dict[str, Picture]
 
 
 def read_searches(folder: Path) -> list[tuple[Search, pl.DataFrame]]:
@@ -35,21 +35,32 @@ def read_searches(folder: Path) -> list[tuple[Search, pl.DataFrame]]:
         BelvedereError: a table is foreign, or a map is missing.
     """
     found = []
-    for file in sorted(folder.glob("*.json")):
-        made_by = f"search/dvc.yaml:search@{file.stem}"
-        search = read_model(Search, file, made_by)
-        remedy = f"`dvc repro {made_by}` makes it"
-        found.append((search, read_frame(folder / f"{file.stem}_map.csv", MAP_COLUMNS, "map", remedy)))
+    for file in sorted(folder.glob("*/search.json")):
+        scene = file.parent.name
+        search = read_model(Search, file, f"search/dvc.yaml:search@{scene}")
+        remedy = f"`./run search {scene}` makes it"
+        surface = read_frame(file.with_name("map.csv"), MAP_COLUMNS, "map", remedy)
+        found.append((search, surface))
     return found
 
 
 def search_pages(
-    searches: Sequence[tuple[Search, pl.DataFrame]], tried: Sequence[TriedScene], pictures: Path
+    searches: Sequence[tuple[Search, pl.DataFrame]], tried: Sequence[TriedScene], folder: Path
 ) -> list[SearchPage]:
-    """The searches drawn; viewpoints that experiments tried in the scene stand on its map, too."""
+    """The searches of a folder, drawn; viewpoints that experiments tried stand on the map, too."""
     pages = []
     for search, surface in searches:
         rows = [row for scene in tried if scene.name == search.scene for row in scene.rows]
-        shown = {row.key: read_pictures(pictures / row.key, row.key) for row in search.viewpoints}
-        pages.append(SearchPage(search, Markup(sphere_plot(search, surface, rows)), shown))
+        drawn = Markup(sphere_plot(search, surface, rows))
+        pages.append(SearchPage(search, drawn, _thumbnails(search, folder / search.scene / "pictures")))
     return pages
+
+
+def _thumbnails(search: Search, folder: Path) -> dict[str, Picture]:
+    """Of the finalists whose pictures are on this machine."""
+    found = {}
+    for row in search.viewpoints:
+        picture = read_thumbnail(folder / f"{row.key}.png", f"search/dvc.yaml:frames@{row.key}")
+        if picture is not None:
+            found[row.key] = picture
+    return found

@@ -39,4 +39,4 @@ class HalvingParams(Section):
     """
 
     finalists: int = Field(ge=2, le=20)
-    most_trainings: int | None = Field(ge=1)
+    most_trainings: int | None = Field(ge=1, le=1_000_000)

@@ -33,7 +33,7 @@ NO_NAMES = [
     "a; touch x",
 ]
 NO_TRUTHS = [*NOWHERE, None, "abc", 1]
-MAY_BE_NULL = ("above_target_m", "desk")
+MAY_BE_NULL = ("above_target_m", "desk", "most_trainings")
 MAY_BE_ANY_TEXT = "about"
 HAVE_DEFAULTS = ("home", "offset_m", "largest_step")  # of a robot; the other keys of params.yaml have none
 CHOSEN = (
@@ -42,6 +42,7 @@ CHOSEN = (
     ("robots",),
     ("scenes",),
     ("budgets",),
+    ("searches",),
 )  # below these stand names that a user chooses
 
 

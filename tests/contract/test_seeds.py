@@ -58,6 +58,7 @@ def test_the_numbers_of_the_streams_are_part_of_the_data() -> None:
         "BLIND": 8,
         "DQN": 9,
         "DQN_EPISODES": 10,
+        "CANDIDATES": 11,
     }
 
 

@@ -20,7 +20,7 @@ from tests.stages.test_ranking import PROBES, PROVENANCE
 
 SCENE = "reach"
 PLACED, ANCHORS = Path("search/candidates.yaml"), Path("anchors.json")
-OUT, TABLE, MAP = (Path("reports/searches") / f"{SCENE}{end}" for end in (".json", ".csv", "_map.csv"))
+OUT, TABLE, MAP = (Path("search/found") / f"{SCENE}{end}" for end in (".json", ".csv", "_map.csv"))
 BLIND, UNIT_M = -6.0, 5.0
 LOST = ("probe_mlp_tip_m", "probe_mlp_tip_to_target_m")  # by those from which the judge cannot see
 WHERE = PlacementParams(candidates=24, by="lattice", theta_deg=(-90, 90), phi_deg=(0, 75), forbidden=())

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.contract.errors import BelvedereError
+from pipeline.contract.viewpoints import Viewpoint
 from pipeline.storage.allocation import (
     ALLOCATION_FILE,
     Allocation,
@@ -19,6 +20,7 @@ from pipeline.storage.allocation import (
 
 PARAMS = "{seed: 7, budget: small, budgets: {small: {race: {first: 2, most: 9}}}}"
 VIEW = {"scene": "near", "theta": 30.0, "phi": 7.5}
+HERE, FIRST = Viewpoint(**VIEW), 2
 
 
 @pytest.fixture(autouse=True)
@@ -40,30 +42,32 @@ def test_what_is_written_comes_back_and_is_the_same_bytes(allocation: Allocation
 
 
 def test_a_branch_has_its_own_and_a_scene_the_most() -> None:
-    assert branch_repeats("near-a", **VIEW) == 3
-    assert branch_repeats("far-a", "far", 0.0, 0.0) == scene_repeats("far") == 6
+    assert branch_repeats("near-a", HERE, FIRST) == 3
+    far = Viewpoint(scene="far", theta=0, phi=0)
+    assert branch_repeats("far-a", far, FIRST) == scene_repeats("far") == 6
 
 
 @pytest.mark.parametrize("change", [{"theta": 31.0}, {"phi": 7.0}, {"scene": "far"}])
 def test_another_viewpoint_has_as_many_as_its_scene(change: dict) -> None:
-    view = VIEW | change
-    assert branch_repeats("near-a", **view) == scene_repeats(view["scene"])
-    assert branch_repeats("new", **view) == scene_repeats(view["scene"])
+    view = Viewpoint(**(VIEW | change))
+    assert branch_repeats("near-a", view, FIRST) == scene_repeats(view.scene)
+    assert branch_repeats("new", view, FIRST) == scene_repeats(view.scene)
 
 
 @pytest.mark.parametrize(("old", "new"), [("seed: 7", "seed: 8"), ("small", "large")])
 def test_entries_for_another_seed_or_budget_do_not_count(old: str, new: str) -> None:
     Path("params.yaml").write_text(PARAMS.replace(old, new))
-    assert branch_repeats("near-a", **VIEW) == scene_repeats("far") == 2
+    assert branch_repeats("near-a", HERE, FIRST) == scene_repeats("far") == 2
 
 
 def test_nobody_has_fewer_than_the_first_repeats() -> None:
     Path("params.yaml").write_text(PARAMS.replace("first: 2", "first: 4"))
-    assert branch_repeats("near-a", **VIEW) == 4
+    assert branch_repeats("near-a", HERE, 4) == 4
+    assert branch_repeats("near-a", HERE, 1) == 3
     assert scene_repeats("elsewhere") == 4
     own = "first: 2, scenes: {elsewhere: {first: 3}}"
     Path("params.yaml").write_text(PARAMS.replace("first: 2", own))
-    assert (scene_repeats("elsewhere"), branch_repeats("near-a", **VIEW)) == (3, 3)
+    assert (scene_repeats("elsewhere"), branch_repeats("near-a", HERE, FIRST)) == (3, 3)
 
 
 @pytest.mark.parametrize(
@@ -80,7 +84,7 @@ def test_a_bad_file_is_told_in_a_sentence(old: str, new: str, told: str) -> None
     assert old in text
     ALLOCATION_FILE.write_text(text.replace(old, new, 1))
     with pytest.raises(BelvedereError, match=f"data/allocation.yaml: .*{told}"):
-        branch_repeats("near-a", **VIEW)
+        branch_repeats("near-a", HERE, FIRST)
 
 
 def test_a_missing_file_says_who_writes_it() -> None:
