@@ -16,6 +16,7 @@ FOLDERS |= {
     "coverage": Path("data/coverage.csv"),
     "tried": Path("data/tried.csv"),
     "record": Path("reports/paper"),
+    "searches": Path("reports/searches"),
 }
 PAGE, TABLES = Path("reports/index.html"), Path("reports/tables")
 VOID = {"meta", "img", "source", "br", "hr", "link", "input"}

@@ -82,6 +82,7 @@ def write_study(
         write_json(folder / f"reports/rankings/{scene}.json", content)
     write_people(folder, participants)
     _write_record(folder / "reports", list(scenes))
+    (folder / "reports/searches").mkdir()
     _write_coverage(folder / "data/coverage.csv")
     pl.DataFrame(schema=COLUMNS).write_csv(folder / "data/tried.csv")
 
