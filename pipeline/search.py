@@ -10,7 +10,6 @@ from pathlib import Path
 import polars as pl
 
 from pipeline.contract import params
-from pipeline.contract.candidates import ruled_out, searched_viewpoints
 from pipeline.stats import search_content
 from pipeline.stats.params import HalvingParams, RankingParams
 from pipeline.stats.race import Rules
@@ -19,6 +18,7 @@ from pipeline.stats.searched import Searched, read_searched, stand
 from pipeline.stats.surface import grid, surface, unit_vectors
 from pipeline.stats.tails import tail
 from pipeline.storage.artefacts import write_json, writing
+from pipeline.storage.candidates import ruled_out, searched_viewpoints
 from pipeline.storage.stage import entry
 
 

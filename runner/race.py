@@ -7,7 +7,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from pipeline.contract import params
-from pipeline.contract.candidates import FIRST_REPEATS, searched_viewpoints
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint, named_viewpoints
 from pipeline.storage.allocation import (
@@ -17,6 +16,7 @@ from pipeline.storage.allocation import (
     read_allocation,
     write_allocation,
 )
+from pipeline.storage.candidates import FIRST_REPEATS, searched_viewpoints
 from runner.plan import Job, Pipeline, jobs
 from runner.rankings import read_ranking
 

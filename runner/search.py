@@ -8,19 +8,19 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from pydantic import NonNegativeInt, PositiveInt
 
 from pipeline.contract import params
-from pipeline.contract.candidates import searched_viewpoints
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.machine import CORES_VARIABLE, cores
 from pipeline.storage import scratch
 from pipeline.storage.allocation import ALLOCATION_FILE, Allocation, write_allocation
 from pipeline.storage.artefacts import writing
+from pipeline.storage.candidates import read_finalists, searched_viewpoints, write_finalists
 from pipeline.storage.tables import read_model
 from runner.dvc import read_faster
 from runner.lock import check_lock
@@ -32,8 +32,10 @@ from runner.rwlock import drop_damaged_rwlock
 from runner.schedule import DVC, Schedule
 
 FOUND, PICTURES, PUBLISHED = Path("search/found"), Path("search/pictures"), Path("reports/searches")
+MOUNTED = Path("search/mounting")
 COPIES = {".json": "search.json", ".csv": "candidates.csv", "_map.csv": "map.csv"}  # of a scene's results
 SEARCH_LOCK = Path("search/dvc.lock")
+FILE = "search/dvc.yaml"
 PLACE = (sys.executable, "-m", "pipeline.placement")
 
 
@@ -57,7 +59,7 @@ class Found(Part):
 
 def stage(scene: str) -> str:
     """DVC's name of the stage that says where a scene's search stands."""
-    return f"search/dvc.yaml:search@{scene}"
+    return f"{FILE}:search@{scene}"
 
 
 def read_found(scene: str) -> Found:
@@ -149,6 +151,7 @@ def main(argv: Sequence[str]) -> int:
     if subprocess.run([*PLACE, "--scene", asked.scene]).returncode:
         return 1
     search(asked.scene, asked.hours)
+    mount(asked.scene)
     publish(asked.scene)
     return report()
 
@@ -162,21 +165,43 @@ def search(scene: str, hours: float | None) -> None:
     begun = time.monotonic()
     read_faster()
     drop_damaged_rwlock()
-    allocation, logs = allocate(), scratch.root() / "logs"
+    allocation = allocate()
     candidates = [key for key, view in searched_viewpoints().items() if view.scene == scene]
     until = None if hours is None else begun + 3600 * hours
     going = Search(read_pipeline([stage(scene)]), scene, candidates, cores(), until, allocation)
     to_do = going.begin()
     if to_do:
-        logs.mkdir(parents=True, exist_ok=True)
-        print(f"what the stages say is in {logs}", flush=True)
-        shared = None if CORES_VARIABLE in os.environ else cores()
-        Schedule(cores(), shared, os.environ, logs, going.more).run(to_do)
+        _schedule(going.more).run(to_do)
     found = read_found(scene)
     if going.late:
         print(f"{hours:g} hours are over; `./run search {scene}` goes on from here.")
     if found.answer:
         print(f"{scene}: {found.answer.sentence}")
+
+
+def _schedule(more: Callable[[Job], list[Job]]) -> Schedule:
+    logs = scratch.root() / "logs"
+    logs.mkdir(parents=True, exist_ok=True)
+    print(f"what the stages say is in {logs}", flush=True)
+    shared = None if CORES_VARIABLE in os.environ else cores()
+    return Schedule(cores(), shared, os.environ, logs, more)
+
+
+def mount(scene: str) -> None:
+    """Tries the finalists of a search that is over with their cameras off their places.
+
+    Raises:
+        BelvedereError: a stage failed.
+    """
+    found = read_found(scene)
+    if found.open or not found.finalists:
+        return
+    views = searched_viewpoints()
+    others = {key: view for key, view in read_finalists().items() if view.scene != scene}
+    write_finalists({**others, **{key: views[key] for key in found.finalists}})
+    pipeline = read_pipeline([f"{FILE}:mounting@{key}" for key in found.finalists])
+    to_do = jobs(pipeline.of({scene, *found.finalists}, pipeline.changed), found.finalists, 0)
+    _schedule(lambda job: []).run(to_do)
 
 
 def publish(scene: str) -> None:
@@ -185,13 +210,17 @@ def publish(scene: str) -> None:
     The report depends on copies, so that no `./run` and no `dvc repro` trains a candidate.
     """
     with writing(PUBLISHED / scene) as folder:
-        (folder / "pictures").mkdir(parents=True)
+        for part in ("pictures", "mounting"):
+            (folder / part).mkdir(parents=True)
         for name, published in COPIES.items():
             shutil.copyfile(FOUND / f"{scene}{name}", folder / published)
         for key in read_found(scene).finalists:
             picture = PICTURES / key / "view" / "view.png"
             if picture.is_file():
                 shutil.copyfile(picture, folder / "pictures" / f"{key}.png")
+            mounted = MOUNTED / scene / f"{key}.json"
+            if mounted.is_file():
+                shutil.copyfile(mounted, folder / "mounting" / f"{key}.json")
 
 
 def report() -> int:

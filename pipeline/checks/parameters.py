@@ -10,7 +10,7 @@ from pathlib import Path
 from pipeline.contract import params
 from pipeline.contract.errors import unknown
 from pipeline.contract.viewpoints import NAME, named_viewpoints
-from pipeline.control.params import ControllerParams, EvaluationSizes, SearchSizes
+from pipeline.control.params import ControllerParams, EvaluationSizes, MountingParams, SearchSizes
 from pipeline.placement.params import PlacementParams
 from pipeline.qlearning.params import DqnParams, DqnSizes
 from pipeline.scripted.params import OperatorParams
@@ -28,6 +28,7 @@ METHODS: dict[str, type[params.Section]] = {
     "controller": ControllerParams,
     "dqn": DqnParams,
     "mdnrnn": MdnRnnParams,
+    "mounting": MountingParams,
     "operator": OperatorParams,
     "people": PeopleParams,
     "ranking": RankingParams,

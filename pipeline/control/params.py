@@ -53,3 +53,19 @@ class EvaluationSizes(Section):
     """Section ``budgets.*.evaluation``: ``episodes`` of each repeat."""
 
     episodes: Count
+
+
+class MountingParams(Section):
+    """Section ``mounting``: how far off a finalist's camera is tried, without training.
+
+    Attributes:
+        turns_deg: of pan and of tilt, each both ways.
+        moves_m: to the picture's right, up and back, each both ways.
+        episodes: of each repeat.
+        repeats: of the finalist, the first ones.
+    """
+
+    turns_deg: tuple[Annotated[float, Field(gt=0, le=45)], ...]
+    moves_m: tuple[Annotated[float, Field(gt=0, le=1)], ...]
+    episodes: Annotated[int, Field(ge=1, le=10_000)]
+    repeats: Annotated[int, Field(ge=2, le=40)]

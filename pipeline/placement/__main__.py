@@ -8,11 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-import yaml
-
 from pipeline.contract import params, seeds
-from pipeline.contract.candidates import CANDIDATES_FILE, Placed, RuledOut, read_placed
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.seeds import Stream
 from pipeline.contract.viewpoints import Viewpoint
@@ -20,13 +16,8 @@ from pipeline.placement.params import PlacementParams
 from pipeline.placement.screening import Screen
 from pipeline.placement.sphere import Direction, allowed_places, spread
 from pipeline.sim.scene import load_scene
-from pipeline.storage.artefacts import writing
+from pipeline.storage.candidates import CANDIDATES_FILE, Placed, RuledOut, read_placed, write_placed
 from pipeline.storage.stage import entry
-
-_HEAD = """\
-# The candidates of searches, which `./run search SCENE` places as `searches` in params.yaml says, and the
-# places that geometry rules out. DVC makes a branch of each candidate (search/dvc.yaml).
-"""
 
 
 def main(*, scene: str, out: Path = CANDIDATES_FILE) -> None:
@@ -38,7 +29,7 @@ def main(*, scene: str, out: Path = CANDIDATES_FILE) -> None:
     former = read_placed(out)
     placed = place(scene, where, former)
     if placed != former:
-        write(placed, out)
+        write_placed(placed, out)
     taken = [key for key, view in placed.candidates.items() if view.scene == scene]
     print(f"{scene}: {len(taken)} candidates, {len(placed.ruled_out[scene])} places ruled out by geometry")
 
@@ -78,16 +69,6 @@ def _named(
         for number, (theta, phi) in zip(numbers, added, strict=False)
     }
     return {**kept, **fresh}
-
-
-def write(placed: Placed, path: Path) -> None:
-    """Writes the file whole, whole degrees as whole numbers."""
-    tree = placed.model_dump(mode="json")
-    for one in [*tree["candidates"].values(), *(r for rows in tree["ruled_out"].values() for r in rows)]:
-        one |= {name: int(np.rint(one[name])) for name in ("theta", "phi")}
-    text = yaml.safe_dump(tree, sort_keys=False, default_flow_style=None, width=110)
-    with writing(path) as aside:
-        aside.write_text(_HEAD + text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -172,6 +172,17 @@ def read_anchors(file: Path, scene: str, first: int) -> tuple[np.ndarray, dict[s
     return levels, provenance(file, content, made_by)
 
 
+def unit_of(anchors: Path, scene: str) -> float:
+    """The return from score 0 to 1 of a scene, m, by its anchors' file.
+
+    Raises:
+        BelvedereError: the file is missing or foreign, or the expert is not above blind.
+    """
+    levels, _ = read_anchors(anchors, scene, params.first_repeats(scene))
+    _, blind, expert = levels.mean(axis=0)
+    return float(expert - blind)
+
+
 def _check_repeats(returns: dict[str, np.ndarray], first: int) -> None:
     for key, values in returns.items():
         if len(values) < first:

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline.contract.candidates import CANDIDATES_FILE, read_placed, ruled_out, searched_viewpoints
 from pipeline.contract.errors import BelvedereError
 from pipeline.placement.__main__ import main
+from pipeline.storage.candidates import CANDIDATES_FILE, read_placed, ruled_out, searched_viewpoints
 
 REPOSITORY = Path(__file__).parents[2]
 SCENE = "panda_2dof"

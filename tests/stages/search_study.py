@@ -11,11 +11,10 @@ import numpy as np
 import yaml
 
 from pipeline import search
-from pipeline.contract.candidates import Placed, RuledOut
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.placement.__main__ import write
 from pipeline.placement.params import PlacementParams
 from pipeline.placement.sphere import lattice
+from pipeline.storage.candidates import Placed, RuledOut, write_placed
 from tests.stages.test_ranking import PROBES, PROVENANCE
 
 SCENE = "reach"
@@ -62,7 +61,7 @@ class Study:
     def place(self, views: Mapping[str, Viewpoint]) -> None:
         """Writes the file of candidates."""
         out = (RuledOut(theta=0, phi=-5, why="the table hides a target"),)
-        write(Placed(candidates=dict(views), ruled_out={SCENE: out}), PLACED)
+        write_placed(Placed(candidates=dict(views), ruled_out={SCENE: out}), PLACED)
 
     def train(self, needed: Mapping[str, int]) -> None:
         """Gives candidates repeats: what all share in a repeat, and scatter of their own."""
