@@ -17,6 +17,7 @@ from pipeline.reporting.people_tables import Change, PeopleLearning
 from pipeline.reporting.people_tests import NextStudy, SignedRanks, Tested, TTest
 from pipeline.reporting.results import SceneResults
 from pipeline.reporting.search_tables import Search
+from pipeline.reporting.searches import SearchResults
 from pipeline.reporting.tables import Table
 from pipeline.stats.tried import Tried
 from pipeline.storage.artefacts import writing
@@ -46,8 +47,9 @@ def tables(scenes: Sequence[SceneResults], reference: Reference) -> dict[str, li
         "people_implied": [row.model_dump() for row in reference.people.found.published],
         "operator": [row for scene in scenes for row in _operator(scene)],
         "tried": [_tried(row) for scene in reference.tried for row in scene.rows],
-        "search_candidates": [row for search, _ in reference.searches for row in _candidates(search)],
-        "search_finalists": [row for search, _ in reference.searches for row in _finalists(search)],
+        "search_candidates": [row for each in reference.searches for row in _candidates(each.found)],
+        "search_mounting": [row for each in reference.searches for row in _mounting(each)],
+        "search_finalists": [row for each in reference.searches for row in _finalists(each.found)],
         "agreements": [agreement.model_dump() for agreement in reference.people.found.agreements],
         "learning_from_zero": [row for scene in recorded for row in _learning(scene)],
         "claims_from_zero": [claim.model_dump() for scene in recorded for claim in scene.ranking.claims],
@@ -107,6 +109,12 @@ def _tried(row: Tried) -> Row:
 def _candidates(search: Search) -> Iterator[Row]:
     for key, row in search.candidates.items():
         yield {"scene": search.scene, "candidate": key, **row.model_dump()}
+
+
+def _mounting(results: SearchResults) -> Iterator[Row]:
+    for key, own in results.mounting.items():
+        for off in own.offsets:
+            yield {"scene": results.found.scene, "candidate": key, "repeats": own.repeats, **off.model_dump()}
 
 
 def _finalists(search: Search) -> Iterator[Row]:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import polars as pl
 from markupsafe import Markup
 
 from pipeline.reporting import numbers
@@ -21,8 +20,7 @@ from pipeline.reporting.plots import behind_plot, race_plot, score_plot
 from pipeline.reporting.provenance import costs, flat, provenance
 from pipeline.reporting.record import Record
 from pipeline.reporting.results import Coverage, SceneResults, View
-from pipeline.reporting.search_tables import Search
-from pipeline.reporting.searches import search_pages
+from pipeline.reporting.searches import SearchResults, search_pages
 from pipeline.reporting.templates import TEMPLATES, environment, source_hash
 from pipeline.reporting.tried import TriedScene
 
@@ -63,7 +61,7 @@ class Reference:
         people: people's trials, published and own, and the rankings held against them.
         coverage: simulated races, and how often they ended with a false statement.
         tried: viewpoints of experiments.
-        searches: over the sphere, each with its map.
+        searches: over the sphere.
         record: the run in which controllers were searched for from zero, where one is kept.
     """
 
@@ -71,7 +69,7 @@ class Reference:
     coverage: list[Coverage]
     tried: list[TriedScene]
     record: Record | None
-    searches: list[tuple[Search, pl.DataFrame]]
+    searches: list[SearchResults]
 
 
 @dataclass(frozen=True)

@@ -75,3 +75,42 @@ class Search(Table):
             key: self.candidates[key]
             for key in sorted(last, key=lambda key: (places.get(key, len(last)), *last[key]))
         }
+
+
+class Off(Table):
+    """A finalist's change in score with its camera at an offset: turned by degrees or moved by metres."""
+
+    theta_deg: float
+    phi_deg: float
+    right_m: float
+    up_m: float
+    back_m: float
+    turn_deg: float
+    move_m: float
+    change: float
+    low: float | None
+    high: float | None
+
+
+class Mounting(Table):
+    """What a finalist loses off its place, ``mounting/KEY.json`` beside the search."""
+
+    repeats: int
+    offsets: list[Off]
+
+    @property
+    def turns(self) -> dict[float, Off]:
+        """By each turn, degrees, the worst of the directions."""
+        return _worst({off.turn_deg: [] for off in self.offsets if off.turn_deg}, self.offsets, "turn_deg")
+
+    @property
+    def moves(self) -> dict[float, Off]:
+        """By each move, m, the worst of the directions."""
+        return _worst({off.move_m: [] for off in self.offsets if off.move_m}, self.offsets, "move_m")
+
+
+def _worst(by_size: dict[float, list[Off]], offsets: list[Off], name: str) -> dict[float, Off]:
+    for off in offsets:
+        if getattr(off, name):
+            by_size[getattr(off, name)].append(off)
+    return {size: min(found, key=lambda off: off.change) for size, found in sorted(by_size.items())}

@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from pipeline.reporting.csv_frames import read_frame
 from pipeline.reporting.pictures import Picture, read_thumbnail
-from pipeline.reporting.search_tables import Search
+from pipeline.reporting.search_tables import Mounting, Search
 from pipeline.reporting.sphere import sphere_plot
 from pipeline.reporting.tried import TriedScene
 from pipeline.storage.tables import read_model
@@ -20,16 +20,37 @@ MAP_COLUMNS = {"theta_deg": pl.Float64, "phi_deg": pl.Float64, "mean": pl.Float6
 
 
 @dataclass(frozen=True)
-class SearchPage:
-    """A search with what the template places."""
+class SearchResults:
+    """A search as its stages left it.
+
+    Attributes:
+        found: the search.
+        surface: the map, columns :data:`MAP_COLUMNS`.
+        mounting: what finalists lose off their places, best first; of those that were tried.
+    """
 
     found: Search
+    surface: pl.DataFrame
+    mounting: dict[str, Mounting]
+
+
+@dataclass(frozen=True)
+class SearchPage:
+    """A search with what the template places.
+
+    Attributes:
+        results: the search.
+        map: the sphere.
+        thumbnails: of the finalists, by branch.
+    """
+
+    results: SearchResults
     map: Markup
     thumbnails: dict[str, Picture]
 
 
-def read_searches(folder: Path) -> list[tuple[Search, pl.DataFrame]]:
-    """Each search and its map, in the order of the scenes' names; none where nothing was searched.
+def read_searches(folder: Path) -> list[SearchResults]:
+    """Each scene's search, in the order of their names; none where nothing was searched.
 
     Raises:
         BelvedereError: a table is foreign, or a map is missing.
@@ -40,20 +61,29 @@ def read_searches(folder: Path) -> list[tuple[Search, pl.DataFrame]]:
         search = read_model(Search, file, f"search/dvc.yaml:search@{scene}")
         remedy = f"`./run search {scene}` makes it"
         surface = read_frame(file.with_name("map.csv"), MAP_COLUMNS, "map", remedy)
-        found.append((search, surface))
+        found.append(SearchResults(search, surface, _mounting(search, file.with_name("mounting"))))
     return found
 
 
 def search_pages(
-    searches: Sequence[tuple[Search, pl.DataFrame]], tried: Sequence[TriedScene], folder: Path
+    searches: Sequence[SearchResults], tried: Sequence[TriedScene], folder: Path
 ) -> list[SearchPage]:
     """The searches of a folder, drawn; viewpoints that experiments tried stand on the map, too."""
     pages = []
-    for search, surface in searches:
-        rows = [row for scene in tried if scene.name == search.scene for row in scene.rows]
-        drawn = Markup(sphere_plot(search, surface, rows))
-        pages.append(SearchPage(search, drawn, _thumbnails(search, folder / search.scene / "pictures")))
+    for results in searches:
+        name = results.found.scene
+        rows = [row for scene in tried if scene.name == name for row in scene.rows]
+        drawn = Markup(sphere_plot(results.found, results.surface, rows))
+        pages.append(SearchPage(results, drawn, _thumbnails(results.found, folder / name / "pictures")))
     return pages
+
+
+def _mounting(search: Search, folder: Path) -> dict[str, Mounting]:
+    files = {row.key: folder / f"{row.key}.json" for row in search.viewpoints}
+    made_by = "search/dvc.yaml:mounting@"
+    return {
+        key: read_model(Mounting, file, f"{made_by}{key}") for key, file in files.items() if file.is_file()
+    }
 
 
 def _thumbnails(search: Search, folder: Path) -> dict[str, Picture]:

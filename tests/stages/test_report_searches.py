@@ -17,8 +17,15 @@ from pipeline.reporting.searches import read_searches, search_pages
 from pipeline.reporting.sphere import on_map
 from tests.stages.report_page import TABLES, Page, build, rows
 from tests.stages.report_study import VIEWS, write_study
-from tests.stages.search_study import SCENE, Study
+from tests.stages.search_study import SCENE, Study, write_json
 
+OFF = ("theta_deg", "phi_deg", "right_m", "up_m", "back_m", "turn_deg", "move_m", "change", "low", "high")
+OFFSETS = (
+    (1, 0, 0, 0, 0, 1, 0, -0.012, -0.03, 0.01),
+    (0, -1, 0, 0, 0, 1, 0, -0.034, -0.06, -0.01),
+    (5, 0, 0, 0, 0, 5, 0, -0.31, -0.4, -0.2),
+    (0, 0, 0.05, 0, 0, 0, 0.05, 0.02, -0.01, 0.05),
+)
 PUBLISHED = {".json": "search.json", ".csv": "candidates.csv", "_map.csv": "map.csv"}
 
 
@@ -39,6 +46,10 @@ def said(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]
         study.blind_to = {f"{SCENE}-c24"}
         last = study.run()[-1]
         publish(here / "search/found", out)
+    offsets = [dict(zip(OFF, row, strict=True)) for row in OFFSETS]
+    (out / "mounting").mkdir()
+    for key in last["finalists"][:2]:
+        write_json(out / "mounting" / f"{key}.json", {"repeats": 3, "offsets": offsets})
     for key in last["finalists"][:5]:
         Image.new("RGB", (64, 48), "red").save(out / "pictures" / f"{key}.png")
     return out, last
@@ -106,6 +117,20 @@ def test_finalists_pictures_are_shown_where_they_are(
     assert section.count("<img") == 5
 
 
+def test_the_worst_direction_of_each_offset_is_told(
+    page: tuple[str, Path], said: tuple[Path, dict[str, Any]]
+) -> None:
+    table = rows(page[0], f"Mounting in {SCENE}")
+    assert len(table) == 2
+    assert [cell.replace("−", "-") for cell in table[0][1:-1:2]] == [
+        "-0.03",
+        "-0.31",
+        "0.02",
+    ]
+    exported = pl.read_csv(page[1] / TABLES / "search_mounting.csv")
+    assert len(exported) == 2 * len(OFFSETS)
+
+
 def test_its_tables_are_exported(page: tuple[str, Path], said: tuple[Path, dict[str, Any]]) -> None:
     candidates = pl.read_csv(page[1] / TABLES / "search_candidates.csv")
     assert candidates["candidate"].to_list() == list(said[1]["candidates"])
@@ -120,8 +145,9 @@ def test_an_open_search_says_how_it_goes_on(tmp_path: Path, monkeypatch: pytest.
     study.look()
     publish(Path("search/found"), Path("reports/searches") / SCENE)
     (found,) = search_pages(read_searches(Path("reports/searches")), [], Path("reports/searches"))
-    assert found.found.open and found.found.answer is None and found.thumbnails == {}
-    assert "12 of 24 candidates left" in found.found.progress
+    search = found.results.found
+    assert search.open and search.answer is None and found.thumbnails == {}
+    assert "12 of 24 candidates left" in search.progress
 
 
 def test_a_damaged_map_is_told(tmp_path: Path, said: tuple[Path, dict[str, Any]]) -> None:
