@@ -88,6 +88,14 @@ def edit(clone: Clone, name: str, old: str, new: str) -> None:
     path.write_text(text.replace(old, new), encoding="utf-8")
 
 
+def allocate(clone: Clone, repeats: int) -> None:
+    """Gives the study, and so its scene, that many repeats at budget tiny."""
+    path = clone.root / "data/allocation.yaml"
+    tree = yaml.safe_load(path.read_text(encoding="utf-8")) | {"budget": "tiny"}
+    tree["scenes"]["panda_2dof"] = tree["branches"]["study"]["repeats"] = repeats
+    path.write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
+
+
 def tracked_hashes(clone: Clone) -> dict[str, str]:
     """Every output's hash in dvc.lock."""
     lock = yaml.safe_load((clone.root / "dvc.lock").read_text())
@@ -121,6 +129,7 @@ def test_killed_stages_continue_to_the_same_hashes_and_more_repeats_train_only_t
 ) -> None:
     clone.lend_environment()
     set_param(clone, budget="tiny")
+    allocate(clone, 2)
     edit(
         clone,
         "params.yaml",
@@ -139,7 +148,7 @@ def test_killed_stages_continue_to_the_same_hashes_and_more_repeats_train_only_t
     assert tracked_hashes(clone) == undisturbed
 
     kept = {path.name for path in (clone.root / ".scratch/vae").iterdir()}
-    edit(clone, "data/allocation.yaml", "budget: quick", "budget: tiny")
+    allocate(clone, 3)
     clone.run("dvc", "repro", "evaluation@study", timeout_s=900)
     assert len({path.name for path in (clone.root / ".scratch/vae").iterdir()} - kept) == 1
 
