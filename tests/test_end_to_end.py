@@ -71,7 +71,7 @@ def test_one_scene_from_nothing_to_an_answer_and_a_report(clone: Clone) -> None:
     clone.run("python", "-m", "pipeline.people", *words)
     paths = ("rankings", "branches", "anchors", "pictures")
     flags = ["--coverage", "data/reference/coverage.csv", "--tried", "data/tried.csv"]
-    flags += ["--people", held, "--points", points]
+    flags += ["--people", held, "--points", points, "--record", "reports/paper"]
     flags += [part for name in paths for part in (f"--{name}", f"reports/{name}")]
     clone.run(
         "python", "-m", "pipeline.report", *flags, "--out", "reports/index.html", "--tables", "reports/tables"
@@ -86,6 +86,14 @@ def edit(clone: Clone, name: str, old: str, new: str) -> None:
     text = path.read_text(encoding="utf-8")
     assert text.count(old) == 1
     path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def allocate(clone: Clone, repeats: int) -> None:
+    """Gives the study, and so its scene, that many repeats at budget tiny."""
+    path = clone.root / "data/allocation.yaml"
+    tree = yaml.safe_load(path.read_text(encoding="utf-8")) | {"budget": "tiny"}
+    tree["scenes"]["panda_2dof"] = tree["branches"]["study"]["repeats"] = repeats
+    path.write_text(yaml.safe_dump(tree, sort_keys=False), encoding="utf-8")
 
 
 def tracked_hashes(clone: Clone) -> dict[str, str]:
@@ -121,6 +129,7 @@ def test_killed_stages_continue_to_the_same_hashes_and_more_repeats_train_only_t
 ) -> None:
     clone.lend_environment()
     set_param(clone, budget="tiny")
+    allocate(clone, 2)
     edit(
         clone,
         "params.yaml",
@@ -131,16 +140,15 @@ def test_killed_stages_continue_to_the_same_hashes_and_more_repeats_train_only_t
     edit(clone, "pipeline/learning/training.py", "CHECKPOINT_EVERY_S = 15.0", "CHECKPOINT_EVERY_S = 0.0")
     clone.run("dvc", "repro", "evaluation@study", timeout_s=900)
     undisturbed = tracked_hashes(clone)
-    for folder in ("data", "models", ".scratch", ".dvc/cache"):
-        clone.run("rm", "-rf", folder)
-    clone.run("rm", "-rf", "dvc.lock")
+    clone.run("git", "clean", "-fdxq", "data", "models")  # what is in git stays, such as the allocation
+    clone.run("rm", "-rf", ".scratch", ".dvc/cache", "dvc.lock")
     kill_during(clone, "vae", "checkpoint.pt")
     kill_during(clone, "controller", "search.npz")
     clone.run("dvc", "repro", "evaluation@study", timeout_s=900)
     assert tracked_hashes(clone) == undisturbed
 
     kept = {path.name for path in (clone.root / ".scratch/vae").iterdir()}
-    edit(clone, "data/allocation.yaml", "budget: quick", "budget: tiny")
+    allocate(clone, 3)
     clone.run("dvc", "repro", "evaluation@study", timeout_s=900)
     assert len({path.name for path in (clone.root / ".scratch/vae").iterdir()} - kept) == 1
 

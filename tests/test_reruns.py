@@ -99,12 +99,9 @@ def test_the_study_runs_before_its_scenes_candidates(done: Clone) -> None:
     order = re.findall(r"Running stage '([^']+)'", done.run("dvc", "repro", "--dry", "--force").stdout)
     scene = PARAMS["viewpoint"]["scene"]
     begun = order.index(f"scene@{scene}")
-    assert order[begun : begun + 4] == [
-        f"scene@{scene}",
-        f"rollouts@{scene}",
-        "geometry@study",
-        "frames@study",
-    ]
+    assert order[begun : begun + 2] == [f"scene@{scene}", f"rollouts@{scene}"]
+    of_branches = [stage for stage in order[begun:] if stage.endswith("@study") or f"@{scene}-" in stage]
+    assert of_branches[:3] == ["geometry@study", "operator@study", "frames@study"]
 
 
 def test_side_by_side_gives_the_serial_lock_and_no_stage_runs_twice(done: Clone, tmp_path: Path) -> None:

@@ -143,9 +143,11 @@ def _record(record: Record | None) -> dict[str, Any]:
     """What the template says of the record, where there is one."""
     if record is None:
         return {}
-    curves = {scene.name: curve_plots(scene, scene_bands(scene), "zero-") for scene in record.scenes}
+    bands = {scene.name: scene_bands(scene) for scene in record.scenes}
+    curves = {scene.name: curve_plots(scene, bands[scene.name], "zero-") for scene in record.scenes}
     drawn = {name: {key: Markup(svg) for key, svg in plots.items()} for name, plots in curves.items()}
-    return {"record_claims": claims(record.scenes), "record_curves": drawn}
+    found = {name: learned(own) for name, own in bands.items()}
+    return {"record_claims": claims(record.scenes), "record_curves": drawn, "record_learned": found}
 
 
 def _scene_page(scene: SceneResults, pictures: Path) -> ScenePage:

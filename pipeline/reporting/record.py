@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.reporting.learning import Learned, learned, scene_bands
 from pipeline.reporting.results import SceneResults, read_results
 from pipeline.reporting.tables import Table
 from pipeline.storage.tables import read_model
@@ -22,14 +21,12 @@ class About(Table):
         changes: of params.yaml, as DVC's ``-S`` has them.
         commit: of the code.
         date: when it ended.
-        hours: of both cores, all stages counted.
     """
 
     scenes: list[str]
     changes: list[str]
     commit: str
     date: str
-    hours: float
 
 
 @dataclass(frozen=True)
@@ -38,11 +35,6 @@ class Record:
 
     about: About
     scenes: list[SceneResults]
-
-    @property
-    def learned(self) -> dict[str, list[Learned]]:
-        """By scene, what its views' controllers learned."""
-        return {scene.name: learned(scene_bands(scene)) for scene in self.scenes}
 
 
 def read_record(folder: Path) -> Record | None:

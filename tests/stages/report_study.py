@@ -92,7 +92,7 @@ def _write_record(reports: Path, scenes: list[str]) -> None:
     for part in ("rankings", "branches", "anchors"):
         shutil.copytree(reports / part, reports / "paper" / part)
     about = {"scenes": scenes, "changes": ["controller.first=zero"], "commit": "0123abc"}
-    write_json(reports / "paper" / "about.json", {**about, "date": "2026-11-27", "hours": 4.25})
+    write_json(reports / "paper" / "about.json", {**about, "date": "2026-11-27"})
 
 
 def write_people(folder: Path, participants: int = 0, operator: str = "scripted") -> None:

@@ -31,6 +31,7 @@ def expected(folder: Path) -> dict[str, list[list[str]]]:
     scenes = list(dict.fromkeys(row["scene"] for row in tables["ranking"]))
     found = {
         "Findings": _rows(tables["claims"], _claim),
+        "Findings from zero": _rows(tables["claims_from_zero"], _claim),
         **expected_of_people(tables),
         "Simulated races": _rows(tables["coverage"], _coverage),
         "Trainings": [_trainings(scene, tables["ranking"]) for scene in scenes],
@@ -42,6 +43,7 @@ def expected(folder: Path) -> dict[str, list[list[str]]]:
         found[f"Probes of {scene}"] = _rows(own["world_models"], _probes)
         found[f"World models of {scene}"] = _rows(own["world_models"], _world_model)
         found[f"Learning of {scene}"] = _rows(own["learning"], _learning)
+        found[f"Learning of {scene} from zero"] = _rows(own["learning_from_zero"], _learning)
         found[f"Anchors of {scene}"] = _anchors(own["anchors"][0])
         found[f"Baselines of {scene}"] = _baselines(own["baselines"], [row["view"] for row in own["ranking"]])
         if own.get("dqn"):

@@ -202,6 +202,13 @@ def test_a_run_from_zero_is_shown_where_one_is_kept(html: str, build: Build) -> 
     assert rows(page, "Findings") == rows(html, "Findings")
 
 
+def test_a_scene_that_the_record_lacks_is_named(html: str, build: Build) -> None:
+    assert "Not in it" not in html
+    about = read_json(Path("reports/paper/about.json"), "")
+    write_json(Path("reports/paper/about.json"), about | {"scenes": ["panda_2dof"]})
+    assert "Not in it: fetch_reach." in build()
+
+
 def test_a_record_that_is_cut_short_is_told(build: Build) -> None:
     Path("reports/paper/rankings/panda_2dof.json").unlink()
     with pytest.raises(BelvedereError, match="git checkout reports/paper"):
