@@ -25,7 +25,13 @@ VIEWS, FINALISTS, MOST = 48, 6, 20
 SHIFT, MAPS, SEED = 0.05, 300, 1
 SPREADS, TOLERANCES = (0.06, 0.08), (0.1, 0.05)
 HEMISPHERE = PlacementParams(
-    candidates=VIEWS, by="lattice", theta_deg=(-180, 180), phi_deg=(0, 75), forbidden=()
+    candidates=VIEWS,
+    by="lattice",
+    theta_deg=(-180, 180),
+    phi_deg=(0, 75),
+    distance_m=None,
+    fov_deg=None,
+    forbidden=(),
 )
 
 

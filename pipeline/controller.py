@@ -22,7 +22,7 @@ from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.control.search import Repeat, search_controllers, search_sizes
 from pipeline.control.searched import curves, gather_controllers, save_search
 from pipeline.learning.device import set_up_torch
-from pipeline.sim.scene import Scene, load_scene
+from pipeline.sim.scene import Scene, load_scene, with_camera
 from pipeline.storage import scratch, zarrs
 from pipeline.storage.artefacts import writing
 from pipeline.storage.repeats import Place, finished_together
@@ -43,13 +43,16 @@ def main(
     mdnrnn: Path,
     out: Path,
     curve: Path,
+    distance: float = 0,
+    fov: float = 0,
     first: int = 0,
 ) -> None:
     """Writes ``out/repeat_{r}.npz`` and the curves of all repeats.
 
+    ``distance``, m, and ``fov``, degrees, are the camera's; 0: the scene's.
     ``probes`` are the VAE's metrics, of which the ``first`` repeats count; without it the budget's.
     """
-    compiled, view = load_scene(scene), viewpoint(scene, theta, phi)
+    compiled, view = with_camera(load_scene(scene), distance, fov), viewpoint(scene, theta, phi)
     sizes = search_sizes(scene, probes, first or params.first_repeats(scene))
     store = zarrs.Store(latents, zarrs.LATENTS, "latents")
     models = [(vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt") for r in range(store.repeats)]

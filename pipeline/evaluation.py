@@ -22,7 +22,7 @@ from pipeline.control.policy import load_controller
 from pipeline.control.trial import CLIP, OUTCOMES, numbers, try_out
 from pipeline.learning.device import Compute, set_up_torch
 from pipeline.sim.episodes import require_episodes
-from pipeline.sim.scene import Scene, load_scene
+from pipeline.sim.scene import Scene, load_scene, with_camera
 from pipeline.storage import scratch
 from pipeline.storage.artefacts import write_json, writing
 from pipeline.storage.repeats import Place, finished_together
@@ -40,9 +40,15 @@ def main(
     out: Path,
     metrics: Path,
     clip: Path,
+    distance: float = 0,
+    fov: float = 0,
 ) -> None:
-    """Writes every evaluation episode's outcome, their means, and repeat 0's first episode as a film."""
-    compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), set_up_torch()
+    """Writes every evaluation episode's outcome, their means, and repeat 0's first episode as a film.
+
+    ``distance``, m, and ``fov``, degrees, are the camera's; 0: the scene's.
+    """
+    compiled, view = with_camera(load_scene(scene), distance, fov), viewpoint(scene, theta, phi)
+    place = set_up_torch()
     repeats = len(list(controller.glob("repeat_*.npz")))
     if not repeats:
         raise BelvedereError(f"{controller} holds no controller; `dvc repro controller` makes it.")

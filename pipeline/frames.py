@@ -16,7 +16,7 @@ from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.rendering.renderer import ParallelRenderer
 from pipeline.rendering.replay import render, write_pictures
 from pipeline.rendering.visibility import refuse_hidden_targets
-from pipeline.sim.scene import Scene, load_scene
+from pipeline.sim.scene import Scene, load_scene, with_camera
 from pipeline.storage import zarrs
 from pipeline.storage.allocation import branch_repeats
 from pipeline.storage.artefacts import writing
@@ -34,15 +34,18 @@ def main(
     rollouts: Path,
     out: Path,
     picture: Path,
+    distance: float = 0,
+    fov: float = 0,
     first: int = 0,
 ) -> None:
     """Writes the frames' store (layout :data:`pipeline.storage.zarrs.FRAMES`) and two pictures of the view.
 
     ``rollouts`` is what stage rollouts says of the episodes; their store is the folder of the same name
     beside it. ``picture`` becomes a folder with ``view.png`` (for people) and ``view_64.png`` (64 × 64, as
-    the world model sees it). ``first``: repeats that the branch has at least; without it the budget's.
+    the world model sees it). ``distance``, m, and ``fov``, degrees, are the camera's; 0: the scene's.
+    ``first``: repeats that the branch has at least; without it the budget's.
     """
-    compiled, view = load_scene(scene), viewpoint(scene, theta, phi)
+    compiled, view = with_camera(load_scene(scene), distance, fov), viewpoint(scene, theta, phi)
     refuse_hidden_targets(compiled, view)
     store = zarrs.Store(rollouts.with_suffix(""), zarrs.ROLLOUTS, f"rollouts@{scene}")
     studio = Studio(compiled, view)

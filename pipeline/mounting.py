@@ -13,7 +13,7 @@ from pipeline.control.outcomes import evaluation_episodes, provenance
 from pipeline.control.params import MountingParams
 from pipeline.control.policy import load_controller
 from pipeline.learning.device import set_up_torch
-from pipeline.sim.scene import load_scene
+from pipeline.sim.scene import load_scene, with_camera
 from pipeline.stats.blocks import own_interval
 from pipeline.stats.branches import unit_of
 from pipeline.storage.artefacts import write_json
@@ -32,13 +32,16 @@ def main(
     controller: Path,
     anchors: Path,
     out: Path,
+    distance: float = 0,
+    fov: float = 0,
 ) -> None:
     """Writes the change in score at each offset of ``mounting`` in params.yaml, with its interval.
 
     ``vae``, ``mdnrnn`` and ``controller`` are folders with a file for each repeat; ``anchors`` are those of
-    the scene.
+    the scene. ``distance``, m, and ``fov``, degrees, are the camera's; 0: the scene's.
     """
-    compiled, view, place = load_scene(scene), viewpoint(scene, theta, phi), set_up_torch()
+    compiled, view = with_camera(load_scene(scene), distance, fov), viewpoint(scene, theta, phi)
+    place = set_up_torch()
     declared, unit_m = params.section(MountingParams, "mounting"), unit_of(anchors, scene)
     repeats = range(min(declared.repeats, len(list(controller.glob("repeat_*.npz")))))
     networks = [Networks.load(vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt", place) for r in repeats]

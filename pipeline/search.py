@@ -18,7 +18,7 @@ from pipeline.stats.searched import Searched, read_searched, stand
 from pipeline.stats.surface import grid, surface, unit_vectors
 from pipeline.stats.tails import tail
 from pipeline.storage.artefacts import write_json, writing
-from pipeline.storage.candidates import ruled_out, searched_viewpoints
+from pipeline.storage.candidates import candidates_of, ruled_out
 from pipeline.storage.stage import entry
 
 
@@ -35,7 +35,7 @@ def main(
     procedure = params.section(HalvingParams, "searches", scene, "procedure")
     sizes = params.race(scene)
     rules = Rules(sizes.first, sizes.most, method.tolerance, tail(method.confidence, sizes.most))
-    views = {key: view for key, view in searched_viewpoints(placed).items() if view.scene == scene}
+    views = candidates_of(scene, placed)
     searched = read_searched(
         scene, views, candidates, anchors, sizes.first, params.sight_share(), mixture_allowed()
     )

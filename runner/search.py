@@ -20,7 +20,7 @@ from pipeline.contract.machine import CORES_VARIABLE, cores
 from pipeline.storage import scratch
 from pipeline.storage.allocation import ALLOCATION_FILE, Allocation, write_allocation
 from pipeline.storage.artefacts import writing
-from pipeline.storage.candidates import read_finalists, searched_viewpoints, write_finalists
+from pipeline.storage.candidates import candidates_of, read_finalists, write_finalists
 from pipeline.storage.tables import read_model
 from runner.dvc import read_faster
 from runner.lock import check_lock
@@ -166,7 +166,7 @@ def search(scene: str, hours: float | None) -> None:
     read_faster()
     drop_damaged_rwlock()
     allocation = allocate()
-    candidates = [key for key, view in searched_viewpoints().items() if view.scene == scene]
+    candidates = list(candidates_of(scene))
     until = None if hours is None else begun + 3600 * hours
     going = Search(read_pipeline([stage(scene)]), scene, candidates, cores(), until, allocation)
     to_do = going.begin()
@@ -196,7 +196,7 @@ def mount(scene: str) -> None:
     found = read_found(scene)
     if found.open or not found.finalists:
         return
-    views = searched_viewpoints()
+    views = candidates_of(scene)
     others = {key: view for key, view in read_finalists().items() if view.scene != scene}
     write_finalists({**others, **{key: views[key] for key in found.finalists}})
     pipeline = read_pipeline([f"{FILE}:mounting@{key}" for key in found.finalists])

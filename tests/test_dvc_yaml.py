@@ -24,6 +24,7 @@ PARAMS: dict[str, Any] = yaml.safe_load((ROOT / "params.yaml").read_text(encodin
 ROOT_STAGES: dict[str, Any] = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
 SEARCH: dict[str, Any] = yaml.safe_load((ROOT / "search/dvc.yaml").read_text(encoding="utf-8"))
 STAGES = {**ROOT_STAGES, "search": SEARCH["stages"]["search"]}
+CAMERA_FLAGS = " --distance=${item.distance_m} --fov=${item.fov_deg}"
 OF_CANDIDATES = sorted(SEARCH["stages"].keys() - {"search"})
 PER_SCENE = ("ranking", "scene", "rollouts", "anchors")
 ONCE = ("report", "people", "trials")
@@ -204,7 +205,7 @@ def test_branches_agree_and_study_is_first(stage: str) -> None:
 
 @pytest.mark.parametrize("stage", OF_CANDIDATES)
 def test_a_candidate_s_stages_are_those_of_a_branch(stage: str) -> None:
-    """But for the folders of metrics and pictures, and that one repeat suffices at first."""
+    """But for metrics' and pictures' folders, cameras, and that one repeat suffices at first."""
     text = yaml.safe_dump(ROOT_STAGES[stage]["do"])
     for part in ("branches", "pictures"):
         text = text.replace(f"reports/{part}", f"search/{part}")
@@ -212,7 +213,7 @@ def test_a_candidate_s_stages_are_those_of_a_branch(stage: str) -> None:
     found = dict(SEARCH["stages"][stage]["do"])
     assert SEARCH["stages"][stage]["foreach"] == "${candidates}" and found.pop("wdir") == ".."
     assert ("first" in flags(stage)) is False
-    found["cmd"] = found["cmd"].replace(" --first 1", "")
+    found["cmd"] = found["cmd"].replace(" --first 1", "").replace(CAMERA_FLAGS, "")
     assert found == expected
 
 
@@ -220,6 +221,8 @@ def test_candidates_go_through_all_that_a_search_looks_at() -> None:
     assert OF_CANDIDATES == ["controller", "evaluation", "frames", "latents", "mdnrnn", "vae"]
     given = {s for s in OF_CANDIDATES if " --first 1" in SEARCH["stages"][s]["do"]["cmd"]}
     assert given == {"controller", "frames"}
+    seeing = {s for s in SEARCH["stages"] if CAMERA_FLAGS in SEARCH["stages"][s]["do"]["cmd"]}
+    assert seeing == {"controller", "evaluation", "frames", "mounting"}
     assert SEARCH["vars"] == ["../params.yaml", "candidates.yaml"]
     assert STAGES["search"]["foreach"] == "${searches}"
 

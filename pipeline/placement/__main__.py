@@ -11,12 +11,18 @@ from pathlib import Path
 from pipeline.contract import params, seeds
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.seeds import Stream
-from pipeline.contract.viewpoints import Viewpoint
 from pipeline.placement.params import PlacementParams
+from pipeline.placement.places import Place, allowed_places, spread
 from pipeline.placement.screening import Screen
-from pipeline.placement.sphere import Direction, allowed_places, spread
 from pipeline.sim.scene import load_scene
-from pipeline.storage.candidates import CANDIDATES_FILE, Placed, RuledOut, read_placed, write_placed
+from pipeline.storage.candidates import (
+    CANDIDATES_FILE,
+    Candidate,
+    Placed,
+    RuledOut,
+    read_placed,
+    write_placed,
+)
 from pipeline.storage.stage import entry
 
 
@@ -40,11 +46,12 @@ def place(scene: str, where: PlacementParams, former: Placed) -> Placed:
     Raises:
         BelvedereError: fewer than two places are allowed.
     """
-    screen = Screen(load_scene(scene), where)
+    compiled = load_scene(scene)
+    screen = Screen(compiled, where)
     rng = seeds.generator(params.seed(), 0, Stream.CANDIDATES)
     before = {key: view for key, view in former.candidates.items() if view.scene == scene}
     kept = {key: view for key, view in before.items() if screen.within(view) and screen.fault(view) is None}
-    found = allowed_places(where, where.candidates, screen.allowed, rng)
+    found = allowed_places(where, compiled.params.camera, where.candidates, screen.allowed, rng)
     named = _named(scene, dict(list(kept.items())[: where.candidates]), found, where.candidates)
     if len(named) < 2:
         reasons = sorted(set(screen.faults.values()))
@@ -53,20 +60,20 @@ def place(scene: str, where: PlacementParams, former: Placed) -> Placed:
             f"searches.{scene}.placement in params.yaml."
         )
     others = {key: view for key, view in former.candidates.items() if view.scene != scene}
-    out = tuple(RuledOut(theta=t, phi=p, why=why) for (t, p), why in sorted(screen.faults.items()))
+    out = tuple(RuledOut(**place._asdict(), why=why) for place, why in sorted(screen.faults.items()))
     return Placed(candidates={**others, **named}, ruled_out={**former.ruled_out, scene: out})
 
 
 def _named(
-    scene: str, kept: dict[str, Viewpoint], places: Sequence[Direction], count: int
-) -> dict[str, Viewpoint]:
+    scene: str, kept: dict[str, Candidate], places: Sequence[Place], count: int
+) -> dict[str, Candidate]:
     """``kept`` and new ones up to ``count``, which take the lowest numbers that are free."""
     directions = [(round(view.theta), round(view.phi)) for view in kept.values()]
-    added = spread(directions, places, count)[len(directions) :]
+    added = spread(directions, places, count)
     numbers = (n for n in range(1, 10_000) if f"{scene}-c{n:02}" not in kept)
     fresh = {
-        f"{scene}-c{number:02}": Viewpoint(scene=scene, theta=theta, phi=phi)
-        for number, (theta, phi) in zip(numbers, added, strict=False)
+        f"{scene}-c{number:02}": Candidate(scene=scene, **place._asdict())
+        for number, place in zip(numbers, added, strict=False)
     }
     return {**kept, **fresh}
 

@@ -11,6 +11,8 @@ from pipeline.sim.params import Box
 
 Pan = Annotated[float, Field(ge=-360, le=360)]
 Tilt = Annotated[float, Field(gt=-90, lt=90)]
+Distance = Annotated[float, Field(gt=0, le=1000)]
+FieldOfView = Annotated[float, Field(gt=0, lt=170)]
 MOST_CANDIDATES = 500
 
 
@@ -28,6 +30,8 @@ class PlacementParams(Section):
         by: ``lattice`` (Fibonacci's, the same area for each), ``grid`` (of pan and tilt) or ``random``.
         theta_deg: lowest and highest pan; 360 apart is all around.
         phi_deg: lowest and highest tilt above the horizon.
+        distance_m: nearest and farthest from the point that cameras look at; null is the scene's.
+        fov_deg: narrowest and widest field of view; null is the scene's.
         forbidden: boxes, world frame, m.
     """
 
@@ -35,11 +39,14 @@ class PlacementParams(Section):
     by: Literal["lattice", "grid", "random"]
     theta_deg: tuple[Pan, Pan]
     phi_deg: tuple[Tilt, Tilt]
+    distance_m: tuple[Distance, Distance] | None
+    fov_deg: tuple[FieldOfView, FieldOfView] | None
     forbidden: tuple[Forbidden, ...]
 
     @model_validator(mode="after")
     def _ordered(self) -> PlacementParams:
-        for name, (low, high) in (("theta_deg", self.theta_deg), ("phi_deg", self.phi_deg)):
+        for name in ("theta_deg", "phi_deg", "distance_m", "fov_deg"):
+            low, high = getattr(self, name) or (0, 0)
             if low > high:
                 raise ValueError(f"{name}: {low:g} must not be above {high:g}")
         if self.theta_deg[1] - self.theta_deg[0] > 360:

@@ -10,11 +10,12 @@ import numpy as np
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.viewpoints import Viewpoint
 from pipeline.placement.params import Forbidden, PlacementParams
-from pipeline.placement.sphere import Direction
+from pipeline.placement.places import Place
 from pipeline.rendering.visibility import refuse_hidden_targets, to_pixels
 from pipeline.sim.boxes import crosses
 from pipeline.sim.camera import camera_to_world
-from pipeline.sim.scene import Scene
+from pipeline.sim.scene import Scene, with_camera
+from pipeline.storage.candidates import Candidate
 
 
 def fault(scene: Scene, view: Viewpoint, forbidden: Sequence[Forbidden]) -> str | None:
@@ -65,7 +66,7 @@ def _in_picture(scene: Scene, view: Viewpoint, points_m: np.ndarray) -> np.ndarr
 
 
 class Screen:
-    """Looks at each direction once, and keeps what speaks against it.
+    """Looks at each place once, and keeps what speaks against it.
 
     Args:
         scene: compiled.
@@ -74,25 +75,30 @@ class Screen:
 
     def __init__(self, scene: Scene, where: PlacementParams) -> None:
         self._scene, self._where = scene, where
-        self._looked: dict[Direction, str | None] = {}
+        self._looked: dict[Place, str | None] = {}
 
-    def allowed(self, direction: Direction) -> bool:
+    def allowed(self, place: Place) -> bool:
         """Whether a camera can stand there."""
-        if direction not in self._looked:
-            view = Viewpoint(scene=self._scene.name, theta=direction[0], phi=direction[1])
-            self._looked[direction] = self.fault(view)
-        return self._looked[direction] is None
+        if place not in self._looked:
+            self._looked[place] = self.fault(Candidate(scene=self._scene.name, **place._asdict()))
+        return self._looked[place] is None
 
-    def fault(self, view: Viewpoint) -> str | None:
+    def fault(self, candidate: Candidate) -> str | None:
         """Why no camera can stand there; ``None`` where nothing speaks against it."""
-        return fault(self._scene, view, self._where.forbidden)
+        scene = with_camera(self._scene, candidate.distance_m, candidate.fov_deg)
+        return fault(scene, candidate.viewpoint, self._where.forbidden)
 
-    def within(self, view: Viewpoint) -> bool:
-        """Whether the direction lies in the declared ranges."""
-        (low, high), (least, most) = self._where.theta_deg, self._where.phi_deg
-        return (view.theta - low) % 360 <= high - low and least <= view.phi <= most
+    def within(self, candidate: Candidate) -> bool:
+        """Whether a candidate lies in the declared ranges; without one its camera must be the scene's."""
+        camera, where = self._scene.params.camera, self._where
+        (low, high), (least, most) = where.theta_deg, where.phi_deg
+        near, far = where.distance_m or (camera.distance_m, camera.distance_m)
+        narrow, wide = where.fov_deg or (camera.fov_deg, camera.fov_deg)
+        if (candidate.theta - low) % 360 > high - low or not least <= candidate.phi <= most:
+            return False
+        return near <= candidate.distance_m <= far and narrow <= candidate.fov_deg <= wide
 
     @property
-    def faults(self) -> dict[Direction, str]:
+    def faults(self) -> dict[Place, str]:
         """What was looked at and ruled out, and why."""
-        return {direction: why for direction, why in self._looked.items() if why is not None}
+        return {place: why for place, why in self._looked.items() if why is not None}

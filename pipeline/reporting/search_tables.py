@@ -22,6 +22,8 @@ class Candidate(Table):
 
     theta_deg: float
     phi_deg: float
+    distance_m: float
+    fov_deg: float
     repeats: int
     score_mean: float | None
     score_low: float | None
@@ -42,6 +44,8 @@ class RuledOut(Table):
 
     theta: float
     phi: float
+    distance_m: float
+    fov_deg: float
     why: str
 
 
@@ -59,6 +63,11 @@ class Search(Table):
     candidates: dict[str, Candidate]
     viewpoints: list[Finalist]
     ruled_out: list[RuledOut]
+
+    @property
+    def cameras_differ(self) -> bool:
+        """Whether candidates have distances or fields of view of their own."""
+        return len({(one.distance_m, one.fov_deg) for one in self.candidates.values()}) > 1
 
     @property
     def reasons(self) -> dict[str, int]:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import mujoco
+from pydantic import ValidationError
 
 from pipeline.contract import params
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.sim import servos
 from pipeline.sim.foreign import refuse_textures
-from pipeline.sim.params import AXES, Box, SceneParams
+from pipeline.sim.params import AXES, Box, Camera, SceneParams
 from pipeline.sim.robot import TIP, Robot
 from pipeline.sim.robot_files import digests
 from pipeline.sim.robot_params import RobotParams, robot_params
@@ -128,6 +130,29 @@ def compile_scene(name: str, scene: SceneParams, declared: RobotParams, root: Pa
     refuse_textures(model, robot)
     servos.tune(model, robot, declared.drive)
     return Scene(name, scene, model, robot, declared)
+
+
+def with_camera(scene: Scene, distance_m: float, fov_deg: float) -> Scene:
+    """The scene with its camera at another distance and with another field of view; 0 leaves the scene's.
+
+    Raises:
+        BelvedereError: no camera has them.
+    """
+    wanted = {"distance_m": distance_m, "fov_deg": fov_deg}
+    changes = {name: value for name, value in wanted.items() if value}
+    before = scene.params.camera
+    try:
+        camera = Camera.model_validate(before.model_dump() | changes)
+    except ValidationError:
+        raise BelvedereError(
+            f"scene {scene.name}: a camera {distance_m:g} m away with a field of view of {fov_deg:g} degrees "
+            "is not valid; the distance is above 0 m, the field of view above 0 and below 170 degrees."
+        ) from None
+    if camera == before:
+        return scene
+    model = copy.copy(scene.model)
+    model.cam_fovy[model.camera(CAMERA).id] = camera.fov_deg
+    return replace(scene, params=scene.params.model_copy(update={"camera": camera}), model=model)
 
 
 def _add_box(spec: mujoco.MjSpec, name: str, box: Box, rgba: tuple[float, ...]) -> None:

@@ -104,6 +104,8 @@ def _candidate(key: str, searched: Searched, search: Search, confidence: float) 
     return {
         "theta_deg": view.theta,
         "phi_deg": view.phi,
+        "distance_m": view.distance_m,
+        "fov_deg": view.fov_deg,
         "repeats": len(scores),
         "score_mean": mean,
         "score_low": low,

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.contract.viewpoints import Viewpoint
 from pipeline.stats.branches import ANCHORS, Results, read_anchors, read_branch
 from pipeline.stats.halving import Halving, final, halve
 from pipeline.stats.race import Rules
 from pipeline.stats.reading import COMPARED, COMPARED_WITH_ANCHORS, check_made_alike
 from pipeline.stats.replay import Race
+from pipeline.storage.candidates import Candidate
 from pipeline.storage.sight import Sight, read_sight
 
 PIPELINE = "search/dvc.yaml:"
@@ -32,7 +32,7 @@ class Searched:
         provenance: how each one's numbers were made.
     """
 
-    views: dict[str, Viewpoint]
+    views: dict[str, Candidate]
     returns: dict[str, np.ndarray]
     sight: dict[str, Sight]
     anchors: dict[str, np.ndarray]
@@ -83,7 +83,7 @@ class Search:
 
 
 def read_searched(
-    scene: str, views: dict[str, Viewpoint], folder: Path, anchors: Path, first: int, share: float, mix: bool
+    scene: str, views: dict[str, Candidate], folder: Path, anchors: Path, first: int, share: float, mix: bool
 ) -> Searched:
     """Reads ``evaluation.json`` and ``vae.json`` of the candidates that were tried, and the scene's anchors.
 

@@ -27,11 +27,25 @@ _HEADS = {
 }
 
 
+class Candidate(Viewpoint):
+    """A viewpoint with a camera of its own: its distance from what it looks at, and its field of view."""
+
+    distance_m: Annotated[float, Field(gt=0)]
+    fov_deg: Annotated[float, Field(gt=0, lt=170)]
+
+    @property
+    def viewpoint(self) -> Viewpoint:
+        """Where it stands, whatever its camera."""
+        return Viewpoint(scene=self.scene, theta=self.theta, phi=self.phi)
+
+
 class RuledOut(params.Section):
     """A place at which geometry alone says that no camera can stand, and why."""
 
     theta: float
     phi: float
+    distance_m: float
+    fov_deg: float
     why: Annotated[str, Field(min_length=1)]
 
 
@@ -43,7 +57,7 @@ class Placed(params.Section):
         ruled_out: by scene, the places that were looked at and not taken.
     """
 
-    candidates: dict[str, Viewpoint]
+    candidates: dict[str, Candidate]
     ruled_out: dict[str, tuple[RuledOut, ...]]
 
 
@@ -57,22 +71,27 @@ def read_placed(path: Path = CANDIDATES_FILE) -> Placed:
 
 
 def searched_viewpoints(path: Path = CANDIDATES_FILE) -> dict[str, Viewpoint]:
-    """The candidates of all scenes, by branch."""
-    return read_placed(path).candidates
+    """Where the candidates of all scenes stand, by branch."""
+    return {key: one.viewpoint for key, one in read_placed(path).candidates.items()}
+
+
+def candidates_of(scene: str, path: Path = CANDIDATES_FILE) -> dict[str, Candidate]:
+    """The candidates of a scene, by branch."""
+    return {key: one for key, one in read_placed(path).candidates.items() if one.scene == scene}
 
 
 def ruled_out(scene: str, path: Path = CANDIDATES_FILE) -> list[dict[str, object]]:
-    """Of a scene's places that geometry rules out θ and φ, degrees, and why."""
+    """Of a scene's places that geometry rules out where they are, and why."""
     return [one.model_dump() for one in read_placed(path).ruled_out.get(scene, ())]
 
 
 class Finalists(params.Section):
     """The whole file of finalists, by branch."""
 
-    finalists: dict[str, Viewpoint]
+    finalists: dict[str, Candidate]
 
 
-def read_finalists(path: Path = FINALISTS_FILE) -> dict[str, Viewpoint]:
+def read_finalists(path: Path = FINALISTS_FILE) -> dict[str, Candidate]:
     """The finalists of all scenes; none where no search has ended."""
     return params.section(Finalists, path=path).finalists if path.is_file() else {}
 
@@ -85,7 +104,7 @@ def write_placed(placed: Placed, path: Path = CANDIDATES_FILE) -> None:
     )
 
 
-def write_finalists(finalists: dict[str, Viewpoint], path: Path = FINALISTS_FILE) -> None:
+def write_finalists(finalists: dict[str, Candidate], path: Path = FINALISTS_FILE) -> None:
     """Writes the file of finalists whole."""
     tree = Finalists(finalists=finalists).model_dump(mode="json")
     _write(tree, tree["finalists"].values(), path)
@@ -93,7 +112,8 @@ def write_finalists(finalists: dict[str, Viewpoint], path: Path = FINALISTS_FILE
 
 def _write(tree: dict[str, Any], directions: Iterable[dict[str, Any]], path: Path) -> None:
     for one in directions:  # 30 rather than 30.0, as people write it
-        one |= {angle: int(one[angle]) for angle in ("theta", "phi") if one[angle] == int(one[angle])}
+        whole = (name for name in ("theta", "phi", "fov_deg") if one[name] == int(one[name]))
+        one |= {name: int(one[name]) for name in whole}
     text = yaml.safe_dump(tree, sort_keys=False, default_flow_style=None, width=110)
     with writing(path) as aside:
         aside.write_text(_HEADS[path.name] + text, encoding="utf-8")

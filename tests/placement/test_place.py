@@ -10,7 +10,13 @@ import yaml
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.placement.__main__ import main
-from pipeline.storage.candidates import CANDIDATES_FILE, read_placed, ruled_out, searched_viewpoints
+from pipeline.storage.candidates import (
+    CANDIDATES_FILE,
+    candidates_of,
+    read_placed,
+    ruled_out,
+    searched_viewpoints,
+)
 
 REPOSITORY = Path(__file__).parents[2]
 SCENE = "panda_2dof"
@@ -59,6 +65,16 @@ def test_fewer_candidates_are_the_first_of_them() -> None:
     assert list(searched_viewpoints().items()) == list(before.items())[:4]
 
 
+def test_ranges_of_distance_and_field_of_view_give_each_candidate_its_camera() -> None:
+    main(scene=SCENE)
+    before = candidates_of(SCENE)
+    declare(distance_m=[1.2, 2.2], fov_deg=[35, 50])
+    main(scene=SCENE)
+    after = candidates_of(SCENE)
+    assert list(after) == list(before) and len({one.distance_m for one in after.values()}) > 1
+    assert all(1.2 <= one.distance_m <= 2.2 and 35 <= one.fov_deg <= 50 for one in after.values())
+
+
 def test_what_is_forbidden_later_is_replaced() -> None:
     main(scene=SCENE)
     before = searched_viewpoints()
@@ -92,7 +108,7 @@ def test_where_nothing_is_left_it_says_why_and_writes_nothing() -> None:
 def test_other_scenes_candidates_stay() -> None:
     main(scene=SCENE)
     text = CANDIDATES_FILE.read_text().replace(
-        "candidates:\n", "candidates:\n  o-c01: {scene: o, theta: 1, phi: 2}\n"
+        "candidates:\n", "candidates:\n  o-c01: {scene: o, theta: 1, phi: 2, distance_m: 1, fov_deg: 40}\n"
     )
     CANDIDATES_FILE.write_text(text)
     declare(candidates=7)

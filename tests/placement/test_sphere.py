@@ -1,4 +1,4 @@
-"""Directions on the sphere: areas, edges, reproducible draws, and how more of them join those there are."""
+"""Directions on the sphere: areas, edges, and reproducible draws."""
 
 from __future__ import annotations
 
@@ -6,11 +6,27 @@ import numpy as np
 import pytest
 
 from pipeline.placement.params import PlacementParams
-from pipeline.placement.sphere import allowed_places, grid, lattice, random, spread
+from pipeline.placement.sphere import grid, lattice, random
 from pipeline.stats.surface import unit_vectors
 
-HALF = PlacementParams(candidates=24, by="lattice", theta_deg=(-90, 90), phi_deg=(0, 75), forbidden=())
-AROUND = PlacementParams(candidates=24, by="lattice", theta_deg=(-180, 180), phi_deg=(-85, 85), forbidden=())
+HALF = PlacementParams(
+    candidates=24,
+    by="lattice",
+    theta_deg=(-90, 90),
+    phi_deg=(0, 75),
+    distance_m=None,
+    fov_deg=None,
+    forbidden=(),
+)
+AROUND = PlacementParams(
+    candidates=24,
+    by="lattice",
+    theta_deg=(-180, 180),
+    phi_deg=(-85, 85),
+    distance_m=None,
+    fov_deg=None,
+    forbidden=(),
+)
 
 
 def declared(**changes: object) -> PlacementParams:
@@ -71,33 +87,13 @@ def test_a_random_set_begins_like_a_smaller_one() -> None:
     assert many[:10] == few
 
 
-def test_places_that_are_not_allowed_make_room_for_others() -> None:
-    rng = np.random.default_rng(1)
-    right = allowed_places(HALF, 24, lambda d: d[0] > 0, rng)
-    assert len(right) >= 24 and all(theta > 0 for theta, _ in right)
-    assert allowed_places(HALF, 24, lambda d: False, rng) == []
-
-
-def test_more_places_later_leave_the_earlier_ones() -> None:
-    first = lattice(HALF, 12)
-    more = spread(first, lattice(HALF, 24), 24)
-    assert more[:12] == first and len(set(more)) == 24
-
-
-def test_each_added_place_is_the_farthest_from_those_there() -> None:
-    chosen = spread([(0, 0)], [(10, 0), (90, 0), (45, 0), (-20, 0)], 3)
-    assert chosen == [(0, 0), (90, 0), (45, 0)]
-
-
-def test_spread_gives_what_there_is_where_places_are_few() -> None:
-    assert spread([], [(0, 0), (20, 0)], 5) == [(0, 0), (20, 0)] or len(spread([], [(0, 0), (20, 0)], 5)) == 2
-
-
 @pytest.mark.parametrize(
     ("change", "why"),
     [
         ({"theta_deg": (10, 0)}, "must not be above"),
         ({"theta_deg": (-200, 200)}, "more than 360"),
+        ({"distance_m": (2, 1)}, "must not be above"),
+        ({"fov_deg": (0, 40)}, "greater than 0"),
         ({"candidates": 1}, "greater than or equal to 2"),
         ({"by": "hand"}, "lattice"),
         ({"phi_deg": (0, 90)}, "less than 90"),

@@ -14,7 +14,7 @@ from pipeline.contract.viewpoints import Viewpoint, viewpoint
 from pipeline.rendering.renderer import model_seen_from
 from pipeline.rendering.visibility import to_pixels
 from pipeline.sim.camera import camera_to_world
-from pipeline.sim.scene import CAMERA, Scene, load_scene
+from pipeline.sim.scene import CAMERA, Scene, load_scene, with_camera
 
 
 def test_theta_zero_looks_along_x_from_the_front(scene: Scene) -> None:
@@ -78,3 +78,19 @@ def test_workspace_corners_and_target_lie_in_every_candidates_picture(view: View
 def test_bad_angles_are_told(theta: float, phi: float, named: str) -> None:
     with pytest.raises(BelvedereError, match=named):
         viewpoint("panda_1dof", theta, phi)
+
+
+def test_a_camera_of_one_s_own_leaves_the_scene_as_it_is() -> None:
+    scene = load_scene("panda_2dof")
+    own = with_camera(scene, 2.5, 30)
+    position, _ = camera_to_world(own.params.camera, viewpoint(scene.name, 20, 30))
+    assert np.linalg.norm(position - np.asarray(scene.params.camera.look_at_m)) == pytest.approx(2.5)
+    camera = scene.model.camera(CAMERA).id
+    assert (own.model.cam_fovy[camera], scene.model.cam_fovy[camera]) == (30, scene.params.camera.fov_deg)
+    assert own.cache_key != scene.cache_key and with_camera(scene, 0, 0) is scene
+
+
+@pytest.mark.parametrize(("distance", "fov"), [(-1.0, 0.0), (0.0, 175.0), (math.nan, 0.0)])
+def test_a_camera_that_none_can_be_is_told(distance: float, fov: float) -> None:
+    with pytest.raises(BelvedereError, match="is not valid; the distance is above 0 m"):
+        with_camera(load_scene("panda_2dof"), distance, fov)

@@ -11,10 +11,9 @@ import numpy as np
 import yaml
 
 from pipeline import search
-from pipeline.contract.viewpoints import Viewpoint
 from pipeline.placement.params import PlacementParams
 from pipeline.placement.sphere import lattice
-from pipeline.storage.candidates import Placed, RuledOut, write_placed
+from pipeline.storage.candidates import Candidate, Placed, RuledOut, write_placed
 from tests.stages.test_ranking import PROBES, PROVENANCE
 
 SCENE = "reach"
@@ -22,7 +21,15 @@ PLACED, ANCHORS = Path("search/candidates.yaml"), Path("anchors.json")
 OUT, TABLE, MAP = (Path("search/found") / f"{SCENE}{end}" for end in (".json", ".csv", "_map.csv"))
 BLIND, UNIT_M = -6.0, 5.0
 LOST = ("probe_mlp_tip_m", "probe_mlp_tip_to_target_m")  # by those from which the judge cannot see
-WHERE = PlacementParams(candidates=24, by="lattice", theta_deg=(-90, 90), phi_deg=(0, 75), forbidden=())
+WHERE = PlacementParams(
+    candidates=24,
+    by="lattice",
+    theta_deg=(-90, 90),
+    phi_deg=(0, 75),
+    distance_m=None,
+    fov_deg=None,
+    forbidden=(),
+)
 
 Score = Callable[[float, float], float]
 
@@ -38,7 +45,7 @@ class Study:
     def __init__(self, score: Score = ridge, sd: float = 0.04, **procedure: Any) -> None:
         self.score, self.sd = score, sd
         self.views = {
-            f"{SCENE}-c{n:02}": Viewpoint(scene=SCENE, theta=theta, phi=phi)
+            f"{SCENE}-c{n:02}": Candidate(scene=SCENE, theta=theta, phi=phi, distance_m=1.4, fov_deg=40)
             for n, (theta, phi) in enumerate(lattice(WHERE, WHERE.candidates), start=1)
         }
         self.blind_to: set[str] = set()
@@ -58,9 +65,9 @@ class Study:
         }
         Path("params.yaml").write_text(yaml.safe_dump(tree, sort_keys=False))
 
-    def place(self, views: Mapping[str, Viewpoint]) -> None:
+    def place(self, views: Mapping[str, Candidate]) -> None:
         """Writes the file of candidates."""
-        out = (RuledOut(theta=0, phi=-5, why="the table hides a target"),)
+        out = (RuledOut(theta=0, phi=-5, distance_m=1.4, fov_deg=40, why="the table hides a target"),)
         write_placed(Placed(candidates=dict(views), ruled_out={SCENE: out}), PLACED)
 
     def train(self, needed: Mapping[str, int]) -> None:
@@ -73,7 +80,7 @@ class Study:
             score = self.score(view.theta, view.phi) + scatter + shared
             self._write(key, view, BLIND + UNIT_M * score[: self.repeats[key]])
 
-    def _write(self, key: str, view: Viewpoint, returns: np.ndarray) -> None:
+    def _write(self, key: str, view: Candidate, returns: np.ndarray) -> None:
         place = {"scene": SCENE, "theta_deg": view.theta, "phi_deg": view.phi}
         rows = [{"repeat": r, "return": float(value)} for r, value in enumerate(returns)]
         write_json(self.folder / key / "evaluation.json", place | {"repeats": rows, "provenance": PROVENANCE})

@@ -112,7 +112,9 @@ def test_its_tables_have_a_line_for_each_candidate_and_a_surface_over_their_rang
     assert near["mean"] == pytest.approx(ridge(30, 35), abs=0.1) and near["sd"] < 0.1
     best = surface.sort("mean")["theta_deg", "phi_deg"].row(-1)
     assert abs(best[0] - 30) <= 25 and abs(best[1] - 35) <= 25
-    assert last["ruled_out"] == [{"theta": 0.0, "phi": -5.0, "why": "the table hides a target"}]
+    assert last["ruled_out"] == [
+        {"theta": 0.0, "phi": -5.0, "distance_m": 1.4, "fov_deg": 40.0, "why": "the table hides a target"}
+    ]
 
 
 def test_the_same_results_give_the_same_bytes() -> None:
