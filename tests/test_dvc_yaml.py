@@ -23,9 +23,9 @@ from tests.source import params_read_by
 PARAMS: dict[str, Any] = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
 ROOT_STAGES: dict[str, Any] = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
 SEARCH: dict[str, Any] = yaml.safe_load((ROOT / "search/dvc.yaml").read_text(encoding="utf-8"))
-STAGES = {**ROOT_STAGES, "search": SEARCH["stages"]["search"]}
+STAGES = {**ROOT_STAGES, **{name: SEARCH["stages"][name] for name in ("search", "mounting")}}
 CAMERA_FLAGS = " --distance=${item.distance_m} --fov=${item.fov_deg}"
-OF_CANDIDATES = sorted(SEARCH["stages"].keys() - {"search"})
+OF_CANDIDATES = sorted(SEARCH["stages"].keys() - {"search", "mounting"})
 PER_SCENE = ("ranking", "scene", "rollouts", "anchors")
 ONCE = ("report", "people", "trials")
 SCENE_FILES = {"data/scenes/${key}.json", "data/scenes/${item.scene}.json"}  # deps that need no flag
@@ -88,6 +88,7 @@ def test_a_small_negative_angle_is_passed_as_a_number(stage: str) -> None:
     """YAML writes it as -1e-05, which after a space argparse takes for a flag."""
     angles = {name for name in ("theta", "phi") if f"--{name}" in arguments(stage)}
     command = re.sub(r"\$\{item\.(theta|phi)\}", "-1e-05", form(stage)["cmd"])
+    command = re.sub(r"\$\{item\.(distance_m|fov_deg)\}", "1", command)
     words = re.sub(r"\$\{[^}]*\}", "x", command).split()[3:]
     given = vars(parser(importlib.import_module(f"pipeline.{stage}").main).parse_args(words))
     assert {name for name in given if given[name] == -1e-05} == angles
@@ -223,7 +224,8 @@ def test_candidates_go_through_all_that_a_search_looks_at() -> None:
     assert given == {"controller", "frames"}
     seeing = {s for s in SEARCH["stages"] if CAMERA_FLAGS in SEARCH["stages"][s]["do"]["cmd"]}
     assert seeing == {"controller", "evaluation", "frames", "mounting"}
-    assert SEARCH["vars"] == ["../params.yaml", "candidates.yaml"]
+    assert SEARCH["vars"] == ["../params.yaml", "candidates.yaml", "finalists.yaml"]
+    assert SEARCH["stages"]["mounting"]["foreach"] == "${finalists}"
     assert STAGES["search"]["foreach"] == "${searches}"
 
 
@@ -255,7 +257,7 @@ def test_what_goes_into_git_is_not_cached_and_all_else_is() -> None:
     for stage in STAGES:
         for entry in [*form(stage).get("metrics", []), *form(stage).get("plots", [])]:
             ((path, options),) = entry.items()
-            assert options["cache"] is False and path.startswith(("reports/", "search/found/"))
+            assert options["cache"] is False and path.startswith(("reports/", "search/found/", "search/mounting/"))
         assert all(isinstance(out, str) for out in form(stage).get("outs", []))
 
 

@@ -34,6 +34,7 @@ NO_NAMES = [
 ]
 NO_TRUTHS = [*NOWHERE, None, "abc", 1]
 MAY_BE_NULL = ("above_target_m", "desk", "most_trainings")
+MAY_BE_THE_SCENES = ("distance_m", "fov_deg")  # below placement
 MAY_BE_ANY_TEXT = "about"
 HAVE_DEFAULTS = ("home", "offset_m", "largest_step")  # of a robot; the other keys of params.yaml have none
 CHOSEN = (
@@ -98,7 +99,7 @@ def told(tree: Any, folder: Path) -> str:
 def bad(place: Place, value: Any) -> list[Any]:
     if isinstance(value, bool):
         return NO_TRUTHS
-    if place[-1] in MAY_BE_NULL:
+    if place[-1] in MAY_BE_NULL or ("placement" in place and place[-1] in MAY_BE_THE_SCENES):
         return [v for v in NO_NUMBERS if v is not None]
     if isinstance(value, (int, float)):
         return NO_NUMBERS

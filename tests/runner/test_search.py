@@ -17,7 +17,8 @@ from runner.race import allocate, soonest_answered
 from runner.search import Search, main, stage, with_repeats
 
 SCENE = "near"
-CANDIDATES = {f"near-c0{n}": {"scene": SCENE, "theta": 10 * n, "phi": 20} for n in range(1, 5)}
+CAMERA = {"distance_m": 1.4, "fov_deg": 40}
+CANDIDATES = {f"near-c0{n}": {"scene": SCENE, "theta": 10 * n, "phi": 20, **CAMERA} for n in range(1, 5)}
 PREFIX = "search/dvc.yaml:"
 
 
