@@ -23,6 +23,7 @@ MODULES = (
     "dqn",
     "growth",
     "device_loop",
+    "dream",
     "station",
 )
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from pipeline.contract import params
 from pipeline.contract.errors import unknown
 from pipeline.reporting import exports
+from pipeline.reporting.ablations import read_ablations
 from pipeline.reporting.page import Made, Reference, render
 from pipeline.reporting.people_tables import read_people
 from pipeline.reporting.provenance import revision
@@ -29,6 +30,7 @@ def main(
     tried: Path,
     record: Path,
     searches: Path,
+    ablations: Path,
     pictures: Path,
     out: Path,
     tables: Path,
@@ -44,6 +46,7 @@ def main(
         coverage: how often simulated races ended with a false statement.
         tried: viewpoints that experiments tried, one row per repeat.
         searches: folder of searches over the sphere.
+        ablations: folder of what judges reach without one of their parts, by scene.
         record: folder of a run whose controllers were searched for from zero.
         pictures: folder of the branches' pictures; those that are absent are named on the page.
         out: the HTML file.
@@ -53,7 +56,12 @@ def main(
     found = tried_scenes(of_these_parameters(read_tried(tried), tried), scenes)
     people_results = read_people(people, points)
     reference = Reference(
-        people_results, read_coverage(coverage), found, read_record(record), read_searches(searches)
+        people=people_results,
+        coverage=read_coverage(coverage),
+        tried=found,
+        record=read_record(record),
+        searches=read_searches(searches),
+        ablations=read_ablations(ablations),
     )
     start = str(params.value("controller", "first"))
     made = Made(revision(), _parameters(), _random_frames(), start, searches)

@@ -15,7 +15,7 @@ from pipeline.contract.declared import branches, check_viewpoints
 from pipeline.contract.errors import BelvedereError, unknown
 from pipeline.contract.machine import CORES_VARIABLE, cores
 from pipeline.storage import scratch
-from runner import search
+from runner import ablation, search
 from runner.dvc import read_faster
 from runner.lock import check_lock
 from runner.messages import announcement, answers
@@ -30,8 +30,9 @@ _NVIDIA = Path("/dev/nvidiactl")  # there where CUDA is
 
 def main(argv: Sequence[str]) -> int:
     """Runs what is asked for and returns the exit status."""
-    if argv[:1] == ["search"]:
-        return search.main(argv[1:])
+    for name, command in (("search", search.main), ("ablation", ablation.main)):
+        if argv[:1] == [name]:
+            return command(argv[1:])
     asked = _parser().parse_args(argv)
     check_parameters()
     check_lock()

@@ -23,7 +23,14 @@ from tests.source import params_read_by
 PARAMS: dict[str, Any] = yaml.safe_load((ROOT / "params.yaml").read_text(encoding="utf-8"))
 ROOT_STAGES: dict[str, Any] = yaml.safe_load((ROOT / "dvc.yaml").read_text(encoding="utf-8"))["stages"]
 SEARCH: dict[str, Any] = yaml.safe_load((ROOT / "search/dvc.yaml").read_text(encoding="utf-8"))
-STAGES = {**ROOT_STAGES, **{name: SEARCH["stages"][name] for name in ("search", "mounting")}}
+ABLATION: dict[str, Any] = yaml.safe_load((ROOT / "ablation/dvc.yaml").read_text(encoding="utf-8"))
+STAGES = {
+    **ROOT_STAGES,
+    **{name: SEARCH["stages"][name] for name in ("search", "mounting")},
+    **ABLATION["stages"],
+}
+ASIDE = ("search/", "ablation/")
+IN_GIT = ("reports/", "search/found/", "search/mounting/", "ablation/found/")
 CAMERA_FLAGS = " --distance=${item.distance_m} --fov=${item.fov_deg}"
 OF_CANDIDATES = sorted(SEARCH["stages"].keys() - {"search", "mounting"})
 PER_SCENE = ("ranking", "scene", "rollouts", "anchors")
@@ -241,10 +248,10 @@ def test_a_search_waits_for_its_candidates_and_anchors_only() -> None:
         assert graph()[f"search/dvc.yaml:search@{scene}"] == awaited | {f"anchors@{scene}"}
 
 
-def test_no_stage_of_a_run_waits_for_a_candidate() -> None:
+def test_no_stage_of_a_run_waits_for_a_candidate_or_an_ablation() -> None:
     for stage, awaited in graph().items():
-        if not stage.startswith("search/"):
-            assert not any(name.startswith("search/") for name in awaited), stage
+        if not stage.startswith(ASIDE):
+            assert not any(name.startswith(ASIDE) for name in awaited), stage
 
 
 def test_viewpoints_name_scenes_and_their_keys_say_which() -> None:
@@ -257,7 +264,7 @@ def test_what_goes_into_git_is_not_cached_and_all_else_is() -> None:
     for stage in STAGES:
         for entry in [*form(stage).get("metrics", []), *form(stage).get("plots", [])]:
             ((path, options),) = entry.items()
-            assert options["cache"] is False and path.startswith(("reports/", "search/found/", "search/mounting/"))
+            assert options["cache"] is False and path.startswith(IN_GIT)
         assert all(isinstance(out, str) for out in form(stage).get("outs", []))
 
 

@@ -7,6 +7,7 @@ from collections.abc import Collection
 from functools import lru_cache
 from pathlib import Path
 
+from pipeline.ablations.params import AblationParams
 from pipeline.contract import params
 from pipeline.contract.errors import unknown
 from pipeline.contract.viewpoints import NAME, named_viewpoints
@@ -25,6 +26,7 @@ from pipeline.study.params import PeopleParams
 from pipeline.worldmodel.params import MdnRnnParams, MdnRnnSizes, VaeParams, VaeSizes
 
 METHODS: dict[str, type[params.Section]] = {
+    "ablation": AblationParams,
     "controller": ControllerParams,
     "dqn": DqnParams,
     "mdnrnn": MdnRnnParams,

@@ -10,6 +10,7 @@ from typing import Any
 
 import polars as pl
 
+from pipeline.reporting.ablations import SceneAblations
 from pipeline.reporting.judge_tables import Factorial
 from pipeline.reporting.learning import learned, scene_bands
 from pipeline.reporting.page import Reference
@@ -50,6 +51,7 @@ def tables(scenes: Sequence[SceneResults], reference: Reference) -> dict[str, li
         "search_candidates": [row for each in reference.searches for row in _candidates(each.found)],
         "search_mounting": [row for each in reference.searches for row in _mounting(each)],
         "search_finalists": [row for each in reference.searches for row in _finalists(each.found)],
+        "ablations": [row for each in reference.ablations for row in _ablations(each)],
         "agreements": [agreement.model_dump() for agreement in reference.people.found.agreements],
         "learning_from_zero": [row for scene in recorded for row in _learning(scene)],
         "claims_from_zero": [claim.model_dump() for scene in recorded for claim in scene.ranking.claims],
@@ -115,6 +117,13 @@ def _mounting(results: SearchResults) -> Iterator[Row]:
     for key, own in results.mounting.items():
         for off in own.offsets:
             yield {"scene": results.found.scene, "candidate": key, "repeats": own.repeats, **off.model_dump()}
+
+
+def _ablations(found: SceneAblations) -> Iterator[Row]:
+    for key, own in found.views.items():
+        for name, part in own.variants.items():
+            numbers = part.model_dump(exclude={"scores"})
+            yield {"scene": found.scene, "view": key, "variant": name, "repeats": own.repeats, **numbers}
 
 
 def _finalists(search: Search) -> Iterator[Row]:

@@ -10,6 +10,7 @@ from typing import Any
 from markupsafe import Markup
 
 from pipeline.reporting import numbers
+from pipeline.reporting.ablations import SceneAblations
 from pipeline.reporting.curves import curve_plots
 from pipeline.reporting.factorial_comparison import claims, judges_page
 from pipeline.reporting.learning import Learned, learned, scene_bands
@@ -62,6 +63,7 @@ class Reference:
         coverage: simulated races, and how often they ended with a false statement.
         tried: viewpoints of experiments.
         searches: over the sphere.
+        ablations: the judge without one of its parts, by scene.
         record: the run in which controllers were searched for from zero, where one is kept.
     """
 
@@ -70,6 +72,7 @@ class Reference:
     tried: list[TriedScene]
     record: Record | None
     searches: list[SearchResults]
+    ablations: list[SceneAblations]
 
 
 @dataclass(frozen=True)
@@ -113,6 +116,7 @@ def render(
             coverage=reference.coverage,
             tried=reference.tried,
             searches=search_pages(reference.searches, reference.tried, made.searches),
+            ablations=reference.ablations,
             record=reference.record,
             **_record(reference.record),
             missing=missing,

@@ -17,6 +17,7 @@ FOLDERS |= {
     "tried": Path("data/tried.csv"),
     "record": Path("reports/paper"),
     "searches": Path("reports/searches"),
+    "ablations": Path("reports/ablations"),
 }
 PAGE, TABLES = Path("reports/index.html"), Path("reports/tables")
 VOID = {"meta", "img", "source", "br", "hr", "link", "input"}

@@ -83,6 +83,7 @@ def write_study(
     write_people(folder, participants)
     _write_record(folder / "reports", list(scenes))
     (folder / "reports/searches").mkdir()
+    (folder / "reports/ablations").mkdir()
     _write_coverage(folder / "data/coverage.csv")
     pl.DataFrame(schema=COLUMNS).write_csv(folder / "data/tried.csv")
 
