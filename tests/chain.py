@@ -92,6 +92,8 @@ def write_inputs(folder: Path) -> None:
     (folder / "dvc.yaml").write_text(yaml.safe_dump(stages), encoding="utf-8")
     shutil.copytree(ROOT / "data/reference", folder / "data/reference")
     shutil.copytree(ROOT / "robots", folder / "robots")
+    for name in ("searches", "ablations"):
+        (folder / "reports" / name).mkdir(parents=True)
     (folder / "data/study").mkdir()
     for name in ("README", "dataset_description.json"):
         shutil.copy(ROOT / "data/study" / name, folder / "data/study" / name)

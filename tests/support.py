@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
+MADE_BY_NO_STAGE = ("reports/paper/", "reports/searches/README", "reports/ablations/README")
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ def clone_repository(root: Path) -> Clone:
     The committed results stay behind: a test makes its own.
     """
     for name in _files():
-        result = name.startswith("reports/") and not name.startswith("reports/paper/")  # which no stage makes
+        result = name.startswith("reports/") and not name.startswith(MADE_BY_NO_STAGE)
         if name == "dvc.lock" or (result and not name.endswith(".gitignore")):
             continue
         (root / name).parent.mkdir(parents=True, exist_ok=True)

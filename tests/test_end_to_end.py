@@ -72,6 +72,7 @@ def test_one_scene_from_nothing_to_an_answer_and_a_report(clone: Clone) -> None:
     paths = ("rankings", "branches", "anchors", "pictures")
     flags = ["--coverage", "data/reference/coverage.csv", "--tried", "data/tried.csv"]
     flags += ["--people", held, "--points", points, "--record", "reports/paper"]
+    flags += ["--searches", "reports/searches", "--ablations", "reports/ablations"]
     flags += [part for name in paths for part in (f"--{name}", f"reports/{name}")]
     clone.run(
         "python", "-m", "pipeline.report", *flags, "--out", "reports/index.html", "--tables", "reports/tables"
