@@ -14,11 +14,13 @@ from pipeline.contract import params
 from pipeline.contract.source import code_digest
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.control.outcomes import provenance
-from pipeline.control.params import ControllerParams, EvaluationSizes, SearchSizes
+from pipeline.control.params import ControllerParams, EvaluationSizes
+from pipeline.control.search import search_sizes as controller_sizes
 from pipeline.learning.device import set_up_torch
 from pipeline.sim.scene import load_scene
 from pipeline.stats.blocks import own_interval
 from pipeline.stats.branches import read_branch, unit_of
+from pipeline.stats.reading import COMPARED, check_made_alike, mixture_allowed
 from pipeline.storage import scratch, zarrs
 from pipeline.storage.artefacts import read_json, write_json
 from pipeline.storage.repeats import Place, finished_together
@@ -34,6 +36,7 @@ def main(
     scene: str,
     theta: float,
     phi: float,
+    probes: Path,
     latents: Path,
     vae: Path,
     mdnrnn: Path,
@@ -43,12 +46,16 @@ def main(
 ) -> None:
     """Writes the score of each variant and its change from the whole judge's, with intervals over repeats.
 
+    ``probes`` are the VAE's metrics: where the judge cannot see, one generation is searched.
     ``latents``, ``vae`` and ``mdnrnn`` are those of the branch; ``evaluation`` are the whole judge's metrics,
     ``anchors`` the scene's.
     """
-    setting, view = _setting(scene, theta, phi), viewpoint(scene, theta, phi)
+    setting, view = _setting(scene, theta, phi, probes), viewpoint(scene, theta, phi)
     unit_m, blind_m = unit_of(anchors, scene), float(_blind(anchors))
-    whole, _ = read_branch(evaluation, evaluation.parent.name, view)
+    whole, made = read_branch(evaluation, evaluation.parent.name, view)
+    if not mixture_allowed():
+        here = provenance(setting.place.facts())
+        check_made_alike(scene, {evaluation.parent.name: made, "this machine": here}, COMPARED)
     store = zarrs.Store(latents, zarrs.LATENTS, "latents")
     count = min(setting.declared.repeats, store.repeats, len(whole))
     models = {r: (vae / f"repeat_{r}.pt", mdnrnn / f"repeat_{r}.pt") for r in range(count)}
@@ -57,16 +64,17 @@ def main(
         scores[variant] = (_returns(setting, variant, store, models) - blind_m) / unit_m
     rows = {name: _row(own, scores["whole"]) for name, own in scores.items()}
     head = {"scene": scene, "theta_deg": theta, "phi_deg": phi, "repeats": count}
+    head |= {"budget": params.budget(), "seed": params.seed()}
     write_json(out, {**head, "variants": rows, "provenance": provenance(setting.place.facts())})
 
 
-def _setting(scene: str, theta: float, phi: float) -> Setting:
+def _setting(scene: str, theta: float, phi: float, probes: Path) -> Setting:
     return Setting(
         scene=load_scene(scene),
         view=viewpoint(scene, theta, phi),
         place=set_up_torch(),
         method=params.section(ControllerParams, "controller"),
-        sizes=params.budget_section(SearchSizes, "controller", scene),
+        sizes=controller_sizes(scene, probes, params.first_repeats(scene)),
         declared=params.section(AblationParams, "ablation"),
         mdnrnn=params.section(MdnRnnParams, "mdnrnn"),
         episodes=params.budget_section(EvaluationSizes, "evaluation", scene).episodes,

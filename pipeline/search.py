@@ -10,7 +10,9 @@ from pathlib import Path
 import polars as pl
 
 from pipeline.contract import params
+from pipeline.contract.errors import BelvedereError
 from pipeline.stats import search_content
+from pipeline.stats.halving import least_trainings
 from pipeline.stats.params import HalvingParams, RankingParams
 from pipeline.stats.race import Rules
 from pipeline.stats.reading import mixture_allowed
@@ -35,11 +37,12 @@ def main(
     procedure = params.section(HalvingParams, "searches", scene, "procedure")
     sizes = params.race(scene)
     rules = Rules(sizes.first, sizes.most, method.tolerance, tail(method.confidence, sizes.most))
-    views = candidates_of(scene, placed)
+    views, most = candidates_of(scene, placed), procedure.most_trainings
+    _refuse_too_few(scene, len(views), procedure, rules)
     searched = read_searched(
         scene, views, candidates, anchors, sizes.first, params.sight_share(), mixture_allowed()
     )
-    search = stand(searched, procedure.finalists, rules, procedure.most_trainings)
+    search = stand(searched, procedure.finalists, rules, most)
     found = search_content.found_answer(scene, searched, search, method.confidence)
     line = search_content.progress_line(scene, searched, search, found)
     parts = search_content.search_parts(searched, search, method.confidence)
@@ -47,7 +50,10 @@ def main(
         "scene": scene,
         "confidence": method.confidence,
         "tolerance": method.tolerance,
-        "most": rules.most,
+        "budget": params.budget(),
+        "seed": params.seed(),
+        "most_repeats": search.spent + rules.most,
+        "trainings_left": None if most is None else most - sum(len(own) for own in searched.returns.values()),
         "answer": search_content.answer_part(found),
         "progress": line,
         **parts,
@@ -62,6 +68,16 @@ def main(
     print(line)
     if found is not None and found.kind not in ("open", "cannot see"):
         print(f"{scene}: {said['answer']['sentence']}")
+
+
+def _refuse_too_few(scene: str, views: int, procedure: HalvingParams, rules: Rules) -> None:
+    """Says so where the trainings do not suffice for an answer."""
+    least, most = least_trainings(views, procedure.finalists, rules.first), procedure.most_trainings
+    if most is not None and most < least:
+        raise BelvedereError(
+            f"searches.{scene}.procedure.most_trainings = {most} is not valid: {views} candidates take "
+            f"{least} trainings until their {min(views, procedure.finalists)} finalists are first compared."
+        )
 
 
 def _surface(searched: Searched) -> pl.DataFrame:

@@ -5,10 +5,8 @@ from __future__ import annotations
 import argparse
 import os
 import signal
-import subprocess
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 from pipeline.contract import params
 from pipeline.contract.declared import branches, check_viewpoints
@@ -23,9 +21,7 @@ from runner.parameters import check_parameters
 from runner.plan import read_pipeline
 from runner.race import Race, allocate, soonest_answered
 from runner.rwlock import drop_damaged_rwlock
-from runner.schedule import DVC, Schedule
-
-_NVIDIA = Path("/dev/nvidiactl")  # there where CUDA is
+from runner.schedule import Schedule, default_jobs, on_this_terminal
 
 
 def main(argv: Sequence[str]) -> int:
@@ -45,7 +41,7 @@ def main(argv: Sequence[str]) -> int:
     race(slots, asked.scenes)
     if asked.scenes:
         return 0
-    status = repro()
+    status = on_this_terminal("repro")
     if status == 0:
         print(answers())
     return status
@@ -71,11 +67,6 @@ def number_of_jobs(given: str) -> int:
     return int(given)
 
 
-def default_jobs() -> int:
-    """One viewpoint a core, or one alone where a GPU does the work and is filled by a viewpoint's repeats."""
-    return 1 if _NVIDIA.exists() else cores()
-
-
 def race(slots: int, scenes: Sequence[str]) -> None:
     """Runs rounds until each of the scenes (all, where there are none) has its answer.
 
@@ -98,15 +89,6 @@ def race(slots: int, scenes: Sequence[str]) -> None:
     print(f"{slots} at once on {cores()} core(s); what they say is in {logs}", flush=True)
     shared = None if CORES_VARIABLE in os.environ else cores()
     Schedule(slots, shared, os.environ, logs, race.more).run(to_do)
-
-
-def repro() -> int:
-    """Runs `dvc repro` on this terminal and returns its status; an interrupt is DVC's to handle."""
-    former = signal.signal(signal.SIGINT, lambda *_: None)  # a handler, unlike SIG_IGN, is not inherited
-    try:
-        return subprocess.run([*DVC, "repro"]).returncode
-    finally:
-        signal.signal(signal.SIGINT, former)
 
 
 def _handle_signals() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import shutil
-import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from pipeline.contract.yamls import read_yaml
 from pipeline.storage.artefacts import writing
 from runner.lock import check_lock
 from runner.parameters import check_parameters
-from runner.schedule import DVC
+from runner.schedule import on_this_terminal
 from runner.search import report
 
 FILE, LOCK = "ablation/dvc.yaml", Path("ablation/dvc.lock")
@@ -36,7 +35,7 @@ def main(argv: Sequence[str]) -> int:
     views = chosen(asked.scene, asked.views)
     declare(views)
     stages = [f"{FILE}:ablation@{key}" for key in views]
-    if status := subprocess.run([*DVC, "repro", *stages]).returncode:
+    if status := on_this_terminal("repro", *stages):
         return status
     publish(asked.scene, list(views))
     return report()

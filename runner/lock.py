@@ -61,5 +61,6 @@ def check_lock(path: Path = LOCK_FILE) -> None:
     except (BelvedereError, Invalid):
         raise BelvedereError(
             f"{path} is damaged, as by a `dvc` that was stopped while it wrote; `git checkout {path}` brings "
-            "back the committed one; what was made since is found in DVC's cache, not made again."
+            "back the committed one, and where none is committed it can be deleted; what was made since is "
+            "found in DVC's cache, not made again."
         ) from None

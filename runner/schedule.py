@@ -12,19 +12,34 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pipeline.contract.errors import BelvedereError
-from pipeline.contract.machine import CORES_VARIABLE
+from pipeline.contract.machine import CORES_VARIABLE, cores
 from runner.interrupts import Interrupts
 from runner.plan import Job
 
 THREADS_VARIABLE = "OMP_NUM_THREADS"  # what numerical libraries besides ours go by
 TAIL_LINES = 20  # of a failed job's log
 _LOOK_EVERY_S = 0.1
+_NVIDIA = Path("/dev/nvidiactl")  # there where CUDA is
 DVC = (sys.executable, "-m", "runner.dvc")
 # SIGINT lets stages and DVC clean up. What goes on regardless gets the next signal after so many seconds, or
 # at another Ctrl-C.
 _NICER = 5  # by which each place's processes are nicer than those of the place before
 _NICEST = 15
 _ENDINGS = ((signal.SIGINT, 10.0), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0))
+
+
+def default_jobs() -> int:
+    """One viewpoint a core, or one alone where a GPU does the work and is filled by a viewpoint's repeats."""
+    return 1 if _NVIDIA.exists() else cores()
+
+
+def on_this_terminal(*words: str) -> int:
+    """Runs `dvc` on this terminal and returns its status; an interrupt is DVC's to handle."""
+    former = signal.signal(signal.SIGINT, lambda *_: None)  # a handler, unlike SIG_IGN, is not inherited
+    try:
+        return subprocess.run([*DVC, *words]).returncode
+    finally:
+        signal.signal(signal.SIGINT, former)
 
 
 @dataclass(frozen=True)

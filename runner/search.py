@@ -29,7 +29,7 @@ from runner.plan import Job, Pipeline, jobs, read_pipeline
 from runner.race import allocate
 from runner.rankings import Part
 from runner.rwlock import drop_damaged_rwlock
-from runner.schedule import DVC, Schedule
+from runner.schedule import Schedule, default_jobs, on_this_terminal
 
 FOUND, PICTURES, PUBLISHED = Path("search/found"), Path("search/pictures"), Path("reports/searches")
 MOUNTED = Path("search/mounting")
@@ -53,7 +53,8 @@ class Found(Part):
     open: bool
     needed: dict[str, PositiveInt]
     finalists: list[str]
-    most: PositiveInt
+    most_repeats: PositiveInt
+    trainings_left: int | None
     trainings: NonNegativeInt
 
 
@@ -122,11 +123,17 @@ class Search:
         return jobs(round_, self.candidates, 0)
 
     def _wanted(self, found: Found) -> dict[str, int]:
-        """What the search needs; in the race enough for all cores, since the start of a stage costs time."""
+        """What the search needs; in the race enough for all cores, since the start of a stage costs time.
+
+        Never more repeats than a finalist may have, nor more trainings than the search may.
+        """
         if found.answer is None:
             return dict(found.needed)
-        more = max(1, self.cores // len(found.needed)) - 1
-        return {key: min(repeats + more, params.MOST_REPEATS) for key, repeats in found.needed.items()}
+        count = max(1, self.cores // len(found.needed))
+        if found.trainings_left is not None:
+            count = min(count, max(1, found.trainings_left // len(found.needed)))
+        most = min(found.most_repeats, params.MOST_REPEATS)
+        return {key: max(needed, min(needed + count - 1, most)) for key, needed in found.needed.items()}
 
 
 def with_repeats(allocation: Allocation, scene: str, wanted: Mapping[str, int]) -> Allocation:
@@ -151,8 +158,9 @@ def main(argv: Sequence[str]) -> int:
     if subprocess.run([*PLACE, "--scene", asked.scene]).returncode:
         return 1
     search(asked.scene, asked.hours)
-    mount(asked.scene)
     publish(asked.scene)
+    if mount(asked.scene):
+        publish(asked.scene)
     return report()
 
 
@@ -184,24 +192,25 @@ def _schedule(more: Callable[[Job], list[Job]]) -> Schedule:
     logs.mkdir(parents=True, exist_ok=True)
     print(f"what the stages say is in {logs}", flush=True)
     shared = None if CORES_VARIABLE in os.environ else cores()
-    return Schedule(cores(), shared, os.environ, logs, more)
+    return Schedule(default_jobs(), shared, os.environ, logs, more)
 
 
-def mount(scene: str) -> None:
-    """Tries the finalists of a search that is over with their cameras off their places.
+def mount(scene: str) -> bool:
+    """Tries the finalists of a search that is over with their cameras off their places; says if any were.
 
     Raises:
         BelvedereError: a stage failed.
     """
     found = read_found(scene)
     if found.open or not found.finalists:
-        return
+        return False
     views = candidates_of(scene)
     others = {key: view for key, view in read_finalists().items() if view.scene != scene}
     write_finalists({**others, **{key: views[key] for key in found.finalists}})
     pipeline = read_pipeline([f"{FILE}:mounting@{key}" for key in found.finalists])
     to_do = jobs(pipeline.of({scene, *found.finalists}, pipeline.changed), found.finalists, 0)
     _schedule(lambda job: []).run(to_do)
+    return True
 
 
 def publish(scene: str) -> None:
@@ -209,27 +218,40 @@ def publish(scene: str) -> None:
 
     The report depends on copies, so that no `./run` and no `dvc repro` trains a candidate.
     """
+    found = read_found(scene)
     with writing(PUBLISHED / scene) as folder:
         for part in ("pictures", "mounting"):
             (folder / part).mkdir(parents=True)
         for name, published in COPIES.items():
             shutil.copyfile(FOUND / f"{scene}{name}", folder / published)
-        for key in read_found(scene).finalists:
+        for key in found.finalists:
             picture = PICTURES / key / "view" / "view.png"
             if picture.is_file():
                 shutil.copyfile(picture, folder / "pictures" / f"{key}.png")
             mounted = MOUNTED / scene / f"{key}.json"
-            if mounted.is_file():
+            if mounted.is_file() and not found.open:
                 shutil.copyfile(mounted, folder / "mounting" / f"{key}.json")
 
 
 def report() -> int:
     """Makes the page of what there is; a scene that was never ranked is named on it."""
-    return subprocess.run([*DVC, "repro", "--single-item", "trials", "people", "report"]).returncode
+    return on_this_terminal("repro", "--single-item", "trials", "people", "report")
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="./run search", description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("scene", metavar="SCENE", help="one of `searches` in params.yaml")
-    parser.add_argument("--hours", type=float, help="begin no round after so many; it can be continued")
+    parser.add_argument("--hours", type=hours, help="begin no round after so many; it can be continued")
     return parser
+
+
+def hours(text: str) -> float:
+    """A number of hours.
+
+    Raises:
+        ValueError: it is none, or not above 0.
+    """
+    found = float(text)
+    if not 0 < found < float("inf"):
+        raise ValueError(text)
+    return found

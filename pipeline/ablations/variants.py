@@ -102,8 +102,9 @@ def returns_without(
 def search_sizes(setting: Setting, variant: str) -> SearchSizes:
     """Those of the judge; a dream costs little and has its own episodes and generations."""
     dream = setting.declared.dream
-    changed = {"episodes": dream.episodes, "generations": dream.generations}
-    return setting.sizes.model_copy(update=changed if variant == "dream" else {})
+    if variant != "dream" or setting.sizes.generations == 1:  # as where the judge cannot see
+        return setting.sizes
+    return setting.sizes.model_copy(update={"episodes": dream.episodes, "generations": dream.generations})
 
 
 def _memory(setting: Setting, variant: str, repeat: int, trained: MdnRnn) -> MdnRnn:

@@ -37,7 +37,9 @@ def main(*, scene: str, out: Path = CANDIDATES_FILE) -> None:
     if placed != former:
         write_placed(placed, out)
     taken = [key for key, view in placed.candidates.items() if view.scene == scene]
-    print(f"{scene}: {len(taken)} candidates, {len(placed.ruled_out[scene])} places ruled out by geometry")
+    fewer = f" ({where.candidates} were asked for)" if len(taken) < where.candidates else ""
+    out_of = len(placed.ruled_out[scene])
+    print(f"{scene}: {len(taken)} candidates{fewer}, {out_of} places ruled out by geometry")
 
 
 def place(scene: str, where: PlacementParams, former: Placed) -> Placed:
@@ -50,11 +52,11 @@ def place(scene: str, where: PlacementParams, former: Placed) -> Placed:
     screen = Screen(compiled, where)
     rng = seeds.generator(params.seed(), 0, Stream.CANDIDATES)
     before = {key: view for key, view in former.candidates.items() if view.scene == scene}
-    kept = {key: view for key, view in before.items() if screen.within(view) and screen.fault(view) is None}
+    kept = {key: view for key, view in before.items() if screen.within(view) and screen.allowed(_place(view))}
     found = allowed_places(where, compiled.params.camera, where.candidates, screen.allowed, rng)
     named = _named(scene, dict(list(kept.items())[: where.candidates]), found, where.candidates)
     if len(named) < 2:
-        reasons = sorted(set(screen.faults.values()))
+        reasons = sorted(set(screen.faults.values())) or ["its ranges are one place"]
         raise BelvedereError(
             f"{scene}: geometry leaves {len(named)} place(s) for a camera ({'; '.join(reasons)}); widen "
             f"searches.{scene}.placement in params.yaml."
@@ -62,6 +64,10 @@ def place(scene: str, where: PlacementParams, former: Placed) -> Placed:
     others = {key: view for key, view in former.candidates.items() if view.scene != scene}
     out = tuple(RuledOut(**place._asdict(), why=why) for place, why in sorted(screen.faults.items()))
     return Placed(candidates={**others, **named}, ruled_out={**former.ruled_out, scene: out})
+
+
+def _place(view: Candidate) -> Place:
+    return Place(round(view.theta), round(view.phi), view.distance_m, view.fov_deg)
 
 
 def _named(

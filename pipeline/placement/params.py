@@ -25,6 +25,8 @@ class Forbidden(Box):
 class PlacementParams(Section):
     """Section ``searches.SCENE.placement``.
 
+    Places are whole degrees and centimetres, and so are the bounds.
+
     Attributes:
         candidates: how many are placed, after those that geometry rules out.
         by: ``lattice`` (Fibonacci's, the same area for each), ``grid`` (of pan and tilt) or ``random``.
@@ -45,10 +47,13 @@ class PlacementParams(Section):
 
     @model_validator(mode="after")
     def _ordered(self) -> PlacementParams:
-        for name in ("theta_deg", "phi_deg", "distance_m", "fov_deg"):
+        degrees = ((name, "degrees", 0) for name in ("theta_deg", "phi_deg", "fov_deg"))
+        for name, unit, digits in (*degrees, ("distance_m", "centimetres", 2)):
             low, high = getattr(self, name) or (0, 0)
             if low > high:
                 raise ValueError(f"{name}: {low:g} must not be above {high:g}")
+            if any(round(value, digits) != value for value in (low, high)):
+                raise ValueError(f"{name}: {low:g} and {high:g} must be whole {unit}")
         if self.theta_deg[1] - self.theta_deg[0] > 360:
             raise ValueError("theta_deg: more than 360 degrees would place cameras twice")
         return self

@@ -45,10 +45,11 @@ Allowed = Callable[[Place], bool]
 def places(where: PlacementParams, camera: Camera, directions: Sequence[Direction]) -> list[Place]:
     """Directions with distances (whole centimetres) and fields of view (whole degrees) over their ranges.
 
-    Where no range is declared the scene's ``camera`` says them.
+    Where no range is declared the scene's ``camera`` says them. Pans are those from -180 to 179.
     """
     made = []
-    for number, (theta, phi) in enumerate(directions):
+    for number, (pan, phi) in enumerate(directions):
+        theta = (pan + 180) % 360 - 180  # so that a camera turned by some degrees has a valid pan, too
         of_distance, of_fov = ((0.5 + number * step) % 1.0 for step in _STEPS)
         distance_m, fov_deg = camera.distance_m, camera.fov_deg
         if where.distance_m is not None:

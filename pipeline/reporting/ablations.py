@@ -27,6 +27,8 @@ class Ablation(Table):
     theta_deg: float
     phi_deg: float
     repeats: int
+    budget: str
+    seed: int
     variants: dict[str, Variant]
 
 
@@ -41,6 +43,10 @@ class SceneAblations:
 
     scene: str
     views: dict[str, Ablation]
+
+    def foreign(self, budget: str, seed: int) -> list[str]:
+        """The viewpoints that were tried with another budget or seed."""
+        return [key for key, own in self.views.items() if (own.budget, own.seed) != (budget, seed)]
 
     @property
     def variants(self) -> list[str]:

@@ -125,6 +125,7 @@ def render(
             style_hash=source_hash(style),
             revision=made.revision,
             budget=made.parameters["budget"],
+            seed=made.parameters["seed"],
             parameters=flat(made.parameters),
         )
     )

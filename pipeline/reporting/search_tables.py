@@ -55,6 +55,8 @@ class Search(Table):
     scene: str
     confidence: float
     tolerance: float
+    budget: str
+    seed: int
     answer: Found | None
     progress: str
     open: bool
@@ -102,8 +104,10 @@ class Off(Table):
 
 
 class Mounting(Table):
-    """What a finalist loses off its place, ``mounting/KEY.json`` beside the search."""
+    """What a finalist loses off its place, ``mounting/KEY.json`` beside the search; angles in degrees."""
 
+    theta_deg: float
+    phi_deg: float
     repeats: int
     offsets: list[Off]
 

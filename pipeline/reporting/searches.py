@@ -81,9 +81,9 @@ def search_pages(
 def _mounting(search: Search, folder: Path) -> dict[str, Mounting]:
     files = {row.key: folder / f"{row.key}.json" for row in search.viewpoints}
     made_by = "search/dvc.yaml:mounting@"
-    return {
-        key: read_model(Mounting, file, f"{made_by}{key}") for key, file in files.items() if file.is_file()
-    }
+    found = {k: read_model(Mounting, f, f"{made_by}{k}") for k, f in files.items() if f.is_file()}
+    places = {key: (one.theta_deg, one.phi_deg) for key, one in search.candidates.items()}
+    return {key: own for key, own in found.items() if (own.theta_deg, own.phi_deg) == places[key]}
 
 
 def _thumbnails(search: Search, folder: Path) -> dict[str, Picture]:

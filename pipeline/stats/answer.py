@@ -12,6 +12,7 @@ from pipeline.stats.ranks import AS_GOOD, LEADER, Ranked
 from pipeline.stats.replay import Race
 
 Kind = Literal["alone", "tolerance", "either", "ended", "open", "cannot see", "not above blind"]
+VIEW = "view"
 SURE_FROM = 10  # repeats from which a race with failed trainings may state its confidence
 
 
@@ -47,7 +48,7 @@ class Answer:
     lead_high: float | None
     forecast: int | None
     sure: bool
-    noun: str = "view"
+    noun: str = VIEW
 
     def of(self, *states: str) -> list[Ranked]:
         """The views in these states, best first."""

@@ -73,6 +73,22 @@ def halve(values: Sequence[np.ndarray], finalists: int) -> Halving:
     return Halving(rounds, active, finalists, {})
 
 
+def least_trainings(views: int, finalists: int, first: int) -> int:
+    """Trainings up to the first look at the finalists' race, where the judge sees from every view.
+
+    Args:
+        views: that are searched.
+        finalists: how many of them shall be left.
+        first: fresh repeats of each finalist.
+    """
+    made = repeats = 0
+    active = views
+    while active > finalists:
+        repeats, made = repeats + 1, made + active
+        active = max(finalists, -(-active // 2))
+    return made + active * first
+
+
 def final(values: Sequence[np.ndarray], halving: Halving, rules: Rules) -> tuple[Race | None, dict[int, int]]:
     """The finalists' race on the repeats after those of the halving, and what its first look lacks.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from pipeline.stats.answer import SURE_FROM, Answer
+from pipeline.stats.answer import SURE_FROM, VIEW, Answer
 from pipeline.stats.ranks import AS_GOOD, LEADER, NOT_BEST, UNSEEING, Ranked
 
 
@@ -52,8 +52,10 @@ def _alone(found: Answer) -> str:
     (leader,) = found.of(LEADER)
     raced = found.of(LEADER, NOT_BEST)
     if len(raced) == 1:
-        where = "from which this judge sees the task" if found.of(UNSEEING) else f"of {found.scene}"
-        return f"Put the camera at {_place(leader)}: {_name(found, leader)} is the only view {where}."
+        whole = found.noun == VIEW and not found.of(UNSEEING)  # only finalists are in a search's
+        where = f"of {found.scene}" if whole else "from which this judge sees the task"
+        noun = VIEW if found.noun == VIEW else "candidate"
+        return f"Put the camera at {_place(leader)}: {_name(found, leader)} is the only {noun} {where}."
     best = f"{_name(found, leader)} is the best of the {len(raced)} {found.noun}s{_level(found)}."
     lead = f"It leads by {found.lead:.2f}, at most {_up(found.lead_high)}."
     return f"Put the camera at {_place(leader)}: {best} {lead}"

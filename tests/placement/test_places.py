@@ -69,6 +69,13 @@ def test_distances_and_fields_of_view_fill_their_ranges_evenly_and_apart() -> No
     assert counts.sum() == 400 and counts.min() > 15 and counts.max() < 35
 
 
+def test_pans_are_those_from_which_a_camera_can_be_turned_both_ways() -> None:
+    around = HALF.model_copy(update={"theta_deg": (0, 360)})
+    pans = [place.theta for place in places(around, CAMERA, lattice(around, 60))]
+    assert min(pans) >= -180 and max(pans) < 180
+    assert sorted(pan % 360 for pan in pans) == sorted(theta % 360 for theta, _ in lattice(around, 60))
+
+
 def test_one_range_alone_leaves_the_other_to_the_scene() -> None:
     where = HALF.model_copy(update={"distance_m": (1.0, 2.0)})
     found = places(where, CAMERA, lattice(where, 24))

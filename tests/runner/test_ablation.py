@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -75,13 +74,13 @@ def test_what_is_found_is_copied_beside_what_was(monkeypatch: pytest.MonkeyPatch
 def test_a_stage_that_failed_is_the_command_s_status_and_nothing_is_copied(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    asked: list[list[str]] = []
+    asked: list[tuple[str, ...]] = []
 
-    def run(command: list[str]) -> subprocess.CompletedProcess[str]:
-        asked.append(command)
-        return subprocess.CompletedProcess(command, 7)
+    def on_this_terminal(*words: str) -> int:
+        asked.append(words)
+        return 7
 
-    monkeypatch.setattr(ablation.subprocess, "run", run)
+    monkeypatch.setattr(ablation, "on_this_terminal", on_this_terminal)
     for name in ("check_parameters", "check_lock"):
         monkeypatch.setattr(ablation, name, lambda *_: None)
     assert main(["near", "study"]) == 7

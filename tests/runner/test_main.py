@@ -8,7 +8,8 @@ import pytest
 
 from pipeline.contract.errors import BelvedereError
 from pipeline.contract.machine import CORES_VARIABLE
-from runner.__main__ import default_jobs, number_of_jobs
+from runner.__main__ import number_of_jobs
+from runner.schedule import default_jobs
 from tests.support import Clone
 
 
@@ -34,7 +35,7 @@ def test_an_unknown_scene_is_told_with_those_that_there_are(clone: Clone) -> Non
 
 def test_a_gpu_is_left_to_one_viewpoint_at_a_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(CORES_VARIABLE, "6")
-    monkeypatch.setattr("runner.__main__._NVIDIA", tmp_path / "none")
+    monkeypatch.setattr("runner.schedule._NVIDIA", tmp_path / "none")
     assert default_jobs() == 6
-    monkeypatch.setattr("runner.__main__._NVIDIA", tmp_path)
+    monkeypatch.setattr("runner.schedule._NVIDIA", tmp_path)
     assert default_jobs() == 1

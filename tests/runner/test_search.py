@@ -39,14 +39,17 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("search/candidates.yaml").write_text(yaml.safe_dump({"candidates": CANDIDATES, "ruled_out": {}}))
 
 
-def found(needed: dict[str, int], *, raced: bool = False, sentence: str = "Here.") -> None:
+def found(
+    needed: dict[str, int], *, raced: bool = False, most_repeats: int = 20, left: int | None = None
+) -> None:
     said = {
-        "answer": {"sentence": sentence} if raced or not needed else None,
+        "answer": {"sentence": "Here."} if raced or not needed else None,
         "progress": "near goes on",
         "open": bool(needed),
         "needed": needed,
         "finalists": [],
-        "most": 8,
+        "most_repeats": most_repeats,
+        "trainings_left": left,
         "trainings": 4,
     }
     path = Path(f"search/found/{SCENE}.json")
@@ -104,6 +107,25 @@ def test_a_round_of_the_race_fills_the_cores() -> None:
     search(cores=8).begin()
     assert read_allocation().branches["near-c01"].repeats == 8
     assert read_allocation().scenes["near"] == 8
+
+
+@pytest.mark.parametrize(
+    ("limits", "repeats"),
+    [({"most_repeats": 6}, 6), ({"left": 4}, 6), ({"left": 1}, 5), ({"left": None}, 12)],
+)
+def test_cores_take_neither_more_repeats_nor_more_trainings_than_there_may_be(
+    limits: dict[str, Any], repeats: int
+) -> None:
+    found({"near-c01": 5, "near-c03": 5}, raced=True, **limits)
+    search(cores=16).begin()
+    assert {read_allocation().branches[f"near-c0{n}"].repeats for n in (1, 3)} == {repeats}
+
+
+@pytest.mark.parametrize("hours", ["0", "-1", "nan", "inf", "two"])
+def test_hours_that_are_none_are_told(hours: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["near", "--hours", hours])
+    assert f"invalid hours value: '{hours}'" in capsys.readouterr().err
 
 
 def test_rounds_follow_each_other_until_it_is_closed(capsys: pytest.CaptureFixture[str]) -> None:

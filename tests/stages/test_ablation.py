@@ -12,17 +12,26 @@ import torch
 import yaml
 
 from pipeline import ablation
-from pipeline.ablations.variants import VARIANTS, Setting, _memory
+from pipeline.ablations.variants import VARIANTS, Setting, _memory, search_sizes
 from pipeline.contract.viewpoints import viewpoint
+from pipeline.control.outcomes import provenance
 from pipeline.control.params import ControllerParams, SearchSizes
 from pipeline.learning.device import set_up_torch
 from pipeline.sim.scene import load_scene
 from pipeline.storage.artefacts import write_json
 from pipeline.worldmodel.mdnrnn import MdnRnn
-from tests.stages.control_stages import SCENE, VIEW, write_latents, write_params, write_world_model
+from tests.stages.control_stages import (
+    SCENE,
+    VIEW,
+    write_latents,
+    write_params,
+    write_probes,
+    write_world_model,
+)
 from tests.stages.test_ranking import PROVENANCE
 
 BLIND, UNIT_M = -6.0, 5.0
+HERE = provenance(set_up_torch().facts())
 DREAM = {"temperature": 1.0, "episodes": 3, "generations": 2}
 REWARD = {"hidden_units": 8, "learning_rate": 0.01, "batch": 16, "steps": 5}
 OUT = Path("ablation/found/a.json")
@@ -38,13 +47,17 @@ def workplace(workplace: Path) -> Path:
     write_json(Path("anchors.json"), {"scene": SCENE, "repeats": rows, "provenance": PROVENANCE})
     place = {"scene": SCENE, "theta_deg": VIEW["theta"], "phi_deg": VIEW["phi"]}
     repeats = [{"repeat": r, "return": -2.0 - r} for r in range(3)]
-    write_json(Path("view/evaluation.json"), place | {"repeats": repeats, "provenance": PROVENANCE})
+    write_json(Path("view/evaluation.json"), place | {"repeats": repeats, "provenance": HERE})
     return workplace
 
 
-def tried() -> dict[str, Any]:
+def tried(sees: bool = True) -> dict[str, Any]:
     models, latents = write_world_model(Path(), repeats=3), write_latents(Path(), repeats=3)
-    files = {"evaluation": Path("view/evaluation.json"), "anchors": Path("anchors.json"), "out": OUT}
+    files = write_probes(Path(), sees) | {
+        "evaluation": Path("view/evaluation.json"),
+        "anchors": Path("anchors.json"),
+        "out": OUT,
+    }
     ablation.main(**VIEW, **models, **latents, **files)
     return json.loads(OUT.read_text(encoding="utf-8"))
 
@@ -62,6 +75,20 @@ def test_every_variant_has_a_score_and_its_change_from_the_whole_judge(workplace
         assert own["change"] == pytest.approx(changes.mean())
         assert own["low"] < own["change"] < own["high"]
     assert len({tuple(own["scores"]) for own in said["variants"].values()}) == 4
+
+
+def test_where_the_judge_cannot_see_no_variant_searches_longer_than_it(
+    workplace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes = []
+
+    def searched(setting: Setting, variant: str, *_: Any) -> dict[int, float]:
+        sizes.append(search_sizes(setting, variant))
+        return {0: -2.0, 1: -3.0}
+
+    monkeypatch.setattr("pipeline.ablation.returns_without", searched)
+    tried(sees=False)
+    assert {own.generations for own in sizes} == {1} and len({own.episodes for own in sizes}) == 1
 
 
 def test_the_same_inputs_give_the_same_bytes_and_the_second_time_nothing_is_made(

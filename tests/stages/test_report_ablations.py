@@ -23,7 +23,7 @@ def write(key: str, whole: float, **changes: float) -> None:
         score = whole + change
         numbers = {"score": score, "change": change, "low": change - 0.02, "high": change + 0.02}
         variants[name.replace("_", " ")] = {"scores": [score, score], **numbers}
-    angles = {"scene": SCENE, "theta_deg": 0.0, "phi_deg": 30.0}
+    angles = {"scene": SCENE, "theta_deg": 0.0, "phi_deg": 30.0, "budget": "quick", "seed": 1}
     file = Path("reports/ablations") / SCENE / f"{key}.json"
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(json.dumps({**angles, "repeats": 2, "variants": variants}))

@@ -49,7 +49,10 @@ def said(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]
     offsets = [dict(zip(OFF, row, strict=True)) for row in OFFSETS]
     (out / "mounting").mkdir()
     for key in last["finalists"][:2]:
-        write_json(out / "mounting" / f"{key}.json", {"repeats": 3, "offsets": offsets})
+        angles = {name: last["candidates"][key][name] for name in ("theta_deg", "phi_deg")}
+        write_json(out / "mounting" / f"{key}.json", {**angles, "repeats": 3, "offsets": offsets})
+    stale = {"theta_deg": 1, "phi_deg": 1, "repeats": 3, "offsets": offsets}  # of a place that it had before
+    write_json(out / "mounting" / f"{last['finalists'][2]}.json", stale)
     for key in last["finalists"][:5]:
         Image.new("RGB", (64, 48), "red").save(out / "pictures" / f"{key}.png")
     return out, last

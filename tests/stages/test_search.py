@@ -141,3 +141,26 @@ def test_the_surface_is_flat_where_scores_are(tmp_path: Path) -> None:
     study.run()
     surface = pl.read_csv(MAP)
     assert np.ptp(surface["mean"].to_numpy()) < 0.1
+
+
+def test_where_the_judge_sees_from_one_candidate_only_the_answer_says_so() -> None:
+    study = Study()
+    study.blind_to = set(list(study.views)[1:])
+    (only,) = set(study.views) - study.blind_to
+    sentence = study.run()[-1]["answer"]["sentence"]
+    assert (
+        f"{only.removeprefix('reach-')} is the only candidate from which this judge sees the task."
+        in sentence
+    )
+
+
+def test_trainings_that_do_not_suffice_for_a_first_comparison_are_told() -> None:
+    study = Study(most_trainings=53)
+    with pytest.raises(BelvedereError, match=r"most_trainings = 53 is not valid: 24 candidates take 54"):
+        study.look()
+
+
+def test_it_says_how_many_trainings_and_repeats_are_left() -> None:
+    last = Study(most_trainings=60).run()[-1]
+    assert last["trainings_left"] == 60 - last["trainings"] >= 0
+    assert last["most_repeats"] == 2 + 20 and Study().look()["trainings_left"] is None

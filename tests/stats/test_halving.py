@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.search import row
-from pipeline.stats.halving import final, halve
+from pipeline.stats.halving import final, halve, least_trainings
 from pipeline.stats.race import Rules
 
 RULES = Rules(first=3, most=20, tolerance=0.05, probability=0.008)
@@ -21,6 +21,14 @@ def test_by_hand() -> None:
     found = halve(values, 2)
     assert [(one.repeats, one.kept) for one in found.rounds] == [(1, [0, 1, 3]), (2, [1, 3])]
     assert found.done and found.active == [1, 3] and found.needed == {}
+
+
+@pytest.mark.parametrize(("views", "finalists"), [(24, 6), (48, 6), (7, 3), (4, 6)])
+def test_the_least_trainings_are_those_up_to_the_first_look(views: int, finalists: int) -> None:
+    values = [np.empty(0)] * views
+    while needed := (found := halve(values, finalists)).needed or final(values, found, RULES)[1]:
+        values = [np.arange(needed.get(view, len(own))) + view for view, own in enumerate(values)]
+    assert least_trainings(views, finalists, RULES.first) == sum(map(len, values))
 
 
 def test_a_view_that_lacks_a_repeat_is_waited_for() -> None:
