@@ -56,7 +56,7 @@ def test_a_python_that_is_none_is_told(clone: Clone) -> None:
 def test_an_unknown_task_is_told(clone: Clone) -> None:
     clone.lend_environment()
     told = clone.run("./run", "chekc", status=2).stderr
-    assert "'chekc' is no task (test, check, bench, station), no scene and no command in the" in told
+    assert "'chekc' is no task (test, check, bench, search, ablation, station), no scene and no" in told
 
 
 def test_a_command_runs_in_the_environment_from_the_root(clone: Clone, tmp_path: Path) -> None:

@@ -64,8 +64,12 @@ def test_the_numbers_of_the_streams_are_part_of_the_data() -> None:
 
 @pytest.mark.parametrize("stream", Stream)
 def test_a_stream_has_one_purpose(stream: Stream) -> None:
-    """One place that makes results draws from it; preview and checks look at the rollouts themselves."""
-    sources = [f for f in PIPELINE.rglob("*.py") if f.name != "preview.py" and f.parent.name != "checks"]
+    """One place that makes results draws from it; preview and checks look at the rollouts themselves.
+
+    Ablations begin where the training began of which they leave a part out, so they draw what it drew.
+    """
+    others = ("checks", "ablations")
+    sources = [f for f in PIPELINE.rglob("*.py") if f.name != "preview.py" and f.parent.name not in others]
     places = [
         f"{file.relative_to(PIPELINE)}:{node.lineno}"
         for file in sources

@@ -58,6 +58,7 @@ class Study:
     def write_params(self, **procedure: Any) -> None:
         tree = {
             "ranking": {"confidence": 0.95, "tolerance": 0.05, "equivalence_margin": 0.1},
+            "seed": 1,
             "sight_share": 0.5,
             "budget": "few",
             "budgets": {"few": {"race": {"first": 3, "most": 20}}},

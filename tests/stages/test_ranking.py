@@ -16,6 +16,7 @@ from scipy import stats
 from pipeline import ranking
 from pipeline.contract.errors import BelvedereError
 from pipeline.stats.baselines import BASELINES
+from pipeline.stats.reading import MIX_VARIABLE
 
 PROVENANCE = {
     "device": "cpu", "dtype": "bfloat16", "threads": 2, "python": "3.11.7", "torch": "2.13.0",
@@ -95,7 +96,7 @@ class Written:
 @pytest.fixture
 def written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Written:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv(ranking.MIX_VARIABLE, raising=False)
+    monkeypatch.delenv(MIX_VARIABLE, raising=False)
     return Written()
 
 
@@ -240,9 +241,9 @@ def test_branches_made_differently_are_refused_unless_allowed(
     choice = f"BELVEDERE_{name.upper()}={PROVENANCE[name]} " if name in ("device", "dtype") else ""
     assert f"(`{choice}dvc repro`)" in str(refused.value)
     assert not Path("out").exists()
-    monkeypatch.setenv(ranking.MIX_VARIABLE, "allow")
+    monkeypatch.setenv(MIX_VARIABLE, "allow")
     assert written.rank()["provenance"][name] == f"{PROVENANCE[name]} | new"
-    monkeypatch.setenv(ranking.MIX_VARIABLE, "yes")
+    monkeypatch.setenv(MIX_VARIABLE, "yes")
     with pytest.raises(BelvedereError, match="'yes' is unknown; available: allow"):
         written.rank()
 
