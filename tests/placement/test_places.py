@@ -5,20 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.placement.params import PlacementParams
 from pipeline.placement.places import Place, allowed_places, places, spread
 from pipeline.placement.sphere import Direction, lattice
 from pipeline.sim.params import Camera
+from tests.placement.declared import HALF
 
-HALF = PlacementParams(
-    candidates=24,
-    by="lattice",
-    theta_deg=(-90, 90),
-    phi_deg=(0, 75),
-    distance_m=None,
-    fov_deg=None,
-    forbidden=(),
-)
 CAMERA = Camera(look_at_m=(0, 0, 0), distance_m=1.4, fov_deg=40, front_deg=0)
 
 

@@ -6,24 +6,16 @@ import numpy as np
 import pytest
 
 from pipeline.contract.viewpoints import Viewpoint
-from pipeline.placement.params import Forbidden, PlacementParams
+from pipeline.placement.params import Forbidden
 from pipeline.placement.places import Place
 from pipeline.placement.screening import Screen, fault, workspace_corners
 from pipeline.rendering.visibility import to_pixels
 from pipeline.sim.camera import camera_to_world
 from pipeline.sim.scene import Scene, load_scene, with_camera
 from pipeline.storage.candidates import Candidate
+from tests.placement.declared import HALF
 
 FRONT = Viewpoint(scene="panda_2dof", theta=0, phi=20)
-HALF = PlacementParams(
-    candidates=24,
-    by="lattice",
-    theta_deg=(-90, 90),
-    phi_deg=(0, 75),
-    distance_m=None,
-    fov_deg=None,
-    forbidden=(),
-)
 
 
 @pytest.fixture(scope="module")

@@ -8,16 +8,8 @@ import pytest
 from pipeline.placement.params import PlacementParams
 from pipeline.placement.sphere import grid, lattice, random
 from pipeline.stats.surface import unit_vectors
+from tests.placement.declared import HALF
 
-HALF = PlacementParams(
-    candidates=24,
-    by="lattice",
-    theta_deg=(-90, 90),
-    phi_deg=(0, 75),
-    distance_m=None,
-    fov_deg=None,
-    forbidden=(),
-)
 AROUND = PlacementParams(
     candidates=24,
     by="lattice",

@@ -11,9 +11,9 @@ import numpy as np
 import yaml
 
 from pipeline import search
-from pipeline.placement.params import PlacementParams
 from pipeline.placement.sphere import lattice
 from pipeline.storage.candidates import Candidate, Placed, RuledOut, write_placed
+from tests.placement.declared import HALF
 from tests.stages.test_ranking import PROBES, PROVENANCE
 
 SCENE = "reach"
@@ -21,15 +21,6 @@ PLACED, ANCHORS = Path("search/candidates.yaml"), Path("anchors.json")
 OUT, TABLE, MAP = (Path("search/found") / f"{SCENE}{end}" for end in (".json", ".csv", "_map.csv"))
 BLIND, UNIT_M = -6.0, 5.0
 LOST = ("probe_mlp_tip_m", "probe_mlp_tip_to_target_m")  # by those from which the judge cannot see
-WHERE = PlacementParams(
-    candidates=24,
-    by="lattice",
-    theta_deg=(-90, 90),
-    phi_deg=(0, 75),
-    distance_m=None,
-    fov_deg=None,
-    forbidden=(),
-)
 
 Score = Callable[[float, float], float]
 
@@ -46,7 +37,7 @@ class Study:
         self.score, self.sd = score, sd
         self.views = {
             f"{SCENE}-c{n:02}": Candidate(scene=SCENE, theta=theta, phi=phi, distance_m=1.4, fov_deg=40)
-            for n, (theta, phi) in enumerate(lattice(WHERE, WHERE.candidates), start=1)
+            for n, (theta, phi) in enumerate(lattice(HALF, HALF.candidates), start=1)
         }
         self.blind_to: set[str] = set()
         self.repeats = dict.fromkeys(self.views, 0)

@@ -12,7 +12,9 @@ import torch
 import yaml
 
 from pipeline import ablation
+from pipeline.ablations.params import AblationParams
 from pipeline.ablations.variants import VARIANTS, Setting, _memory, search_sizes
+from pipeline.contract import params
 from pipeline.contract.viewpoints import viewpoint
 from pipeline.control.outcomes import provenance
 from pipeline.control.params import ControllerParams, SearchSizes
@@ -20,6 +22,7 @@ from pipeline.learning.device import set_up_torch
 from pipeline.sim.scene import load_scene
 from pipeline.storage.artefacts import write_json
 from pipeline.worldmodel.mdnrnn import MdnRnn
+from pipeline.worldmodel.params import MdnRnnParams
 from tests.stages.control_stages import (
     SCENE,
     VIEW,
@@ -86,7 +89,7 @@ def test_where_the_judge_cannot_see_no_variant_searches_longer_than_it(
         sizes.append(search_sizes(setting, variant))
         return {0: -2.0, 1: -3.0}
 
-    monkeypatch.setattr("pipeline.ablation.returns_without", searched)
+    monkeypatch.setattr("pipeline.ablations.made.returns_without", searched)
     tried(sees=False)
     assert {own.generations for own in sizes} == {1} and len({own.episodes for own in sizes}) == 1
 
@@ -96,7 +99,7 @@ def test_the_same_inputs_give_the_same_bytes_and_the_second_time_nothing_is_made
 ) -> None:
     tried()
     before = OUT.read_bytes()
-    monkeypatch.setattr("pipeline.ablation.returns_without", None)
+    monkeypatch.setattr("pipeline.ablations.made.returns_without", None)
     tried()
     assert OUT.read_bytes() == before
 
@@ -108,8 +111,8 @@ def test_without_weights_h_stays_at_zero_and_an_untrained_one_does_not(workplace
         place=set_up_torch(),
         method=ControllerParams.model_validate(yaml.safe_load(Path("params.yaml").read_text())["controller"]),
         sizes=SearchSizes(population=4, episodes=2, generations=1),
-        declared=ablation.params.section(ablation.AblationParams, "ablation"),
-        mdnrnn=ablation.params.section(ablation.MdnRnnParams, "mdnrnn"),
+        declared=params.section(AblationParams, "ablation"),
+        mdnrnn=params.section(MdnRnnParams, "mdnrnn"),
         episodes=2,
         heldout_share=0.2,
         seed=1,
