@@ -8,7 +8,7 @@ which they were chosen would flatter them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,8 +102,3 @@ def final(values: Sequence[np.ndarray], halving: Halving, rules: Rules) -> tuple
         if len(own) < rules.first
     }
     return (None, lacking) if lacking else (replay(fresh, rules), {})
-
-
-def trainings(given: Mapping[int, int] | Sequence[np.ndarray]) -> int:
-    """How many repeats all views have together."""
-    return sum(given.values()) if isinstance(given, Mapping) else sum(len(own) for own in given)
